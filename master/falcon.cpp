@@ -1,0 +1,1 @@
+// forward, inverse, Jacobian of the Falcon
