@@ -1,0 +1,50 @@
+// Handle pose to tool target, and the wrench back: reference section 8. Both directions live here,
+// so the master never needs to know how the robot is placed.
+//
+// While coupled, with the references taken at the moment of coupling,
+//   p_SE = p_SE0 + scale R_SM (p_MH - p_MH0),     R_SE = R_SM (R_MH R_MH0^T) R_SM^T R_SE0
+// Uncoupled, the target stays. Coupling again stores new references, so the target never jumps.
+#pragma once
+
+#include "common/geometry.hpp"
+#include "common/limits.hpp"
+
+namespace farhand {
+
+// Axes of M seen from S: the user's forward, up and right are the robot's.
+Mat3 twin_delta_axes() noexcept;  // Rz(-90 deg): forward is -X of the handle and +Y of the robot
+Mat3 falcon_axes() noexcept;      // Rx(+90 deg): forward is -Z, up +Y
+
+struct WorkspaceConfig {
+  Mat3 R_SM = Mat3::Identity();
+  double scale = 1;            // motion; rotation is never scaled
+  double force_scale = 1;      // of force and torque on the way back
+  double position_step = 1e9;  // largest move of the target per tick [m]
+  double rotation_step = 1e9;  // largest turn of the target per tick [rad]
+};
+
+struct WorkspaceState {
+  bool coupled = false;
+  Vec3 p_MH0 = Vec3::Zero();
+  Mat3 R_MH0 = Mat3::Identity();
+  Pose X_SE0;
+  Pose X_SE_target;
+};
+
+// Takes references: the handle at X_MH shall from now on mean X_SE (the pose the robot is commanded
+// to).
+void couple(WorkspaceState& state, const Pose& X_MH, const Pose& X_SE) noexcept;
+// The target stays where it is; X_SE is the pose the robot is commanded to, which becomes the
+// target.
+void uncouple(WorkspaceState& state, const Pose& X_SE) noexcept;
+
+// New target of this tick, moved towards the handle's by at most the configured steps (kLimitSpeed
+// is set when they act). Uncoupled or with a non-finite pose (kLimitNotFinite): the old target.
+const Pose& follow(const WorkspaceConfig& config, WorkspaceState& state, const Pose& X_MH,
+                   LimitSet& set) noexcept;
+
+// F_E_S, the wrench the robot exerts on the environment at E in axes of S, as the master gets it:
+// scaled, in axes of M.
+Wrench reflect(const WorkspaceConfig& config, const Wrench& F_E_S) noexcept;
+
+}  // namespace farhand
