@@ -1,0 +1,53 @@
+// What a real-time loop tells of itself: time by stage, overruns and whose they were, and the link. Fed from the recorder's
+// thread, printed at the end and in the live status line.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "common/histogram.hpp"
+#include "common/link.hpp"
+#include "common/realtime.hpp"
+
+namespace farhand {
+
+// The link's counters at one tick.
+struct LinkStatus {
+  Duration round_trip{};
+  bool round_trip_known = false;
+  std::uint64_t received = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t reordered = 0;
+  std::uint64_t not_sent = 0;  // the socket had no room
+  PeerRefusal refusal;
+};
+
+template <typename L>
+LinkStatus link_status(const L& link, std::uint64_t not_sent) noexcept {
+  const LinkQuality& q = link.quality();
+  return {.round_trip = q.round_trip,
+          .round_trip_known = q.round_trip_known,
+          .received = link.counters().received,
+          .dropped = link.counters().dropped(),
+          .lost = q.lost,
+          .reordered = q.reordered,
+          .not_sent = not_sent,
+          .refusal = link.peer_refusal()};
+}
+
+struct LoopReport {
+  Histogram woken_late, read, compute, link, write, busy, round_trip;
+  std::uint64_t overruns = 0;
+  Duration overrun_own{}, overrun_machine{};
+  LinkStatus last;
+
+  void add(const LoopTiming& timing, const LinkStatus& status) noexcept;
+  // Table rows, one stage a line, in microseconds: median, 99 %, 99.9 %, worst.
+  std::string table() const;
+};
+
+// One sentence for the user when the partner was refused, with the remedy; empty otherwise.
+std::string refusal_sentence(const PeerRefusal& refusal, std::uint64_t own_scene_hash);
+
+}  // namespace farhand

@@ -1,0 +1,89 @@
+#include "common/program.hpp"
+
+#include <spdlog/spdlog.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <random>
+
+namespace farhand {
+namespace {
+
+constexpr int kUsageError = 2;
+
+void add_options(CLI::App& app, ProgramOptions& options, bool is_master) {
+  app.add_option("scene", options.scene, "scene file, see deploy/scenes")->required();
+  app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
+  app.add_flag("--check", options.check, "check the scene and exit");
+  app.add_flag("--quiet", options.quiet, "no live status line");
+  app.add_option("--duration", options.duration_s, "stop after so many seconds")->check(CLI::Range(0.001, 1e7));
+  app.add_option("--listen", options.listen, "host:port to listen on, instead of the scene's");
+  if (!is_master) return;
+  app.add_option("--slave", options.slave, "host:port of the slave, instead of the scene's");
+  app.add_option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
+}
+
+}  // namespace
+
+int run_guarded(const std::string& name, const std::function<int()>& body) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_pattern("[%H:%M:%S] %n: %^%l%$: %v");
+  try {
+    return body();
+  } catch (const SceneError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), e.what());
+  }
+  return 1;
+}
+
+int run_program(int argc, char** argv, const std::string& name, const std::string& description,
+                const std::function<int(const ProgramOptions&)>& body) {
+  CLI::App app(description, name);
+  ProgramOptions options;
+  add_options(app, options, name == "farhand-master");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : kUsageError;
+  }
+  return run_guarded(name, [&] { return body(options); });
+}
+
+bool print_only(const ProgramOptions& options, const Scene& scene, const Stages& stages) {
+  if (options.plan) {
+    for (const auto& [side, lines] : stages) {
+      std::printf("%s\n", side.c_str());
+      int number = 1;
+      for (const auto& line : lines) std::printf("  %2d  %s\n", number++, line.c_str());
+    }
+  } else if (options.check) {
+    std::printf("%s: good (shared part %016llx)\n", scene.path.c_str(),
+                static_cast<unsigned long long>(scene.shared_hash));
+  }
+  return options.plan || options.check;
+}
+
+void require_slave(const Scene& scene) {
+  if (!scene.proto.has_slave())
+    throw std::runtime_error(scene.path + " has no slave: run it with farhand-master or farhand-loopback alone");
+}
+
+void announce(const std::string& name, const Scene& scene, const std::string& where) {
+  spdlog::info("{} runs {} at {:g} Hz, {}", name, scene.path, scene.proto.rate_hz(), where);
+}
+
+void warn_each(const std::vector<std::string>& sentences) {
+  for (const auto& s : sentences) spdlog::warn("{}", s);
+}
+
+std::uint64_t random_session() {
+  std::random_device source;
+  std::uint64_t session = 0;
+  while (session == 0) session = (std::uint64_t{source()} << 32) | source();
+  return session;
+}
+
+}  // namespace farhand

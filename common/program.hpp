@@ -1,0 +1,54 @@
+// What the programs have in common outside their loops: arguments, --plan and --check, errors as one sentence, warnings.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/scene.hpp"
+#include "common/time.hpp"
+
+namespace farhand {
+
+inline constexpr int kLoopPriority = 80;  // SCHED_FIFO, below the kernel's own threads
+
+struct ProgramOptions {
+  std::string scene;
+  bool plan = false;
+  bool check = false;
+  bool quiet = false;                  // no live status line
+  double duration_s = 0;               // 0: until stopped
+  std::optional<std::string> listen;   // host:port instead of the scene's
+  std::optional<std::string> slave;    // master only
+  std::optional<std::string> trace;    // motion of the simulated hand; master only
+
+  Duration limit() const noexcept { return duration_s > 0 ? from_seconds(duration_s) : std::chrono::hours(24 * 365); }
+};
+
+// Parses the arguments, runs `body`, and turns what it throws into one line on stderr. Exit status: what body returns, 1 after an
+// error, 2 for arguments that make no sense.
+int run_program(int argc, char** argv, const std::string& name, const std::string& description,
+                const std::function<int(const ProgramOptions&)>& body);
+
+// The error half of run_program, for programs with other arguments.
+int run_guarded(const std::string& name, const std::function<int()>& body);
+
+using Stages = std::vector<std::pair<std::string, std::vector<std::string>>>;  // by side
+
+// True if --check or --plan was asked for: prints the answer, and nothing more is to be done.
+bool print_only(const ProgramOptions& options, const Scene& scene, const Stages& stages);
+
+// Throws with a sentence if the scene has no slave.
+void require_slave(const Scene& scene);
+
+// Start-up line and warnings, on stderr.
+void announce(const std::string& name, const Scene& scene, const std::string& where);
+void warn_each(const std::vector<std::string>& sentences);
+
+// From the system's random source; never 0.
+std::uint64_t random_session();
+
+}  // namespace farhand

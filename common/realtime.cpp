@@ -1,0 +1,81 @@
+#include "common/realtime.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+namespace farhand {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;
+
+extern "C" void on_stop_signal(int) {
+  g_stop = 1;
+}
+
+Duration to_duration(const timespec& t) noexcept {
+  return std::chrono::seconds(t.tv_sec) + Duration(t.tv_nsec);
+}
+
+Duration thread_cpu_time() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return to_duration(t);
+}
+
+}  // namespace
+
+TimePoint monotonic_now() noexcept {
+  timespec t{};
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return TimePoint(to_duration(t));
+}
+
+void sleep_until(TimePoint until) noexcept {
+  const auto since = until.time_since_epoch();
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(since);
+  const timespec t{.tv_sec = whole.count(), .tv_nsec = (since - whole).count()};
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
+}
+
+std::vector<std::string> enter_realtime(int priority) {
+  std::vector<std::string> refused;
+  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
+    refused.push_back(std::string("memory is not locked (") + std::strerror(errno) +
+                      "): page faults may delay ticks; raise the memlock limit or run with CAP_IPC_LOCK");
+  const sched_param param{.sched_priority = priority};
+  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param); error != 0)
+    refused.push_back(std::string("no real-time scheduling (") + std::strerror(error) +
+                      "): other programs may delay ticks; raise the rtprio limit or run with CAP_SYS_NICE");
+  return refused;
+}
+
+void catch_stop_signals() noexcept {
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool stop_requested() noexcept {
+  return g_stop != 0;
+}
+
+OverrunSplit::OverrunSplit() noexcept : cpu_(thread_cpu_time()) {}
+
+OverrunSplit::Shares OverrunSplit::split(Duration late, Duration woken_late) noexcept {
+  const Duration cpu = thread_cpu_time();
+  const Duration withheld = std::max(busy_ - (cpu - cpu_), Duration(0));
+  cpu_ = cpu;
+  busy_ = Duration(0);
+  const Duration machine = std::clamp(woken_late + withheld, Duration(0), late);
+  return {.own = late - machine, .machine = machine};
+}
+
+}  // namespace farhand

@@ -1,0 +1,16 @@
+// Rows that both sides' tables share.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "common/limit_counts.hpp"
+
+namespace farhand {
+
+std::string mode_row(std::uint64_t ticks, const std::array<std::uint64_t, 4>& ticks_in_mode);
+std::string limit_row(const LimitCounts& limits);
+std::string lost_records_row(std::uint64_t lost);  // empty when none is lost
+
+}  // namespace farhand

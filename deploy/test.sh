@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs, builds and runs all tests. With a preset's name (dev, release, asan, tsan) those of that build; dev otherwise.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+preset="${1:-dev}"
+deploy/install.sh --tests
+cmake --preset "$preset" >/dev/null
+cmake --build --preset "$preset"
+ctest --preset "$preset" -j "$(nproc)"

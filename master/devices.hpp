@@ -1,0 +1,20 @@
+// The devices a scene can name, as one closed variant; a driver is one more entry.
+#pragma once
+
+#include <variant>
+
+#include "master/haptic_device.hpp"
+#include "master/sim_hand.hpp"
+
+namespace farhand {
+
+using AnyDevice = std::variant<SimHand<FalconGeometry>, SimHand<TwinDeltaGeometry>>;
+
+inline HandleReading read(AnyDevice& device, TimePoint now) noexcept {
+  return std::visit([&](auto& d) { return d.read(now); }, device);
+}
+inline void write(AnyDevice& device, TimePoint now, const Vec6& tau) noexcept {
+  std::visit([&](auto& d) { d.write(now, tau); }, device);
+}
+
+}  // namespace farhand

@@ -1,0 +1,102 @@
+#include "master/loop.hpp"
+
+#include <array>
+
+namespace farhand {
+
+MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
+                       UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept
+    : config_(config), master_(master), device_(device), link_(link), socket_(socket), recorder_(recorder) {}
+
+void MasterLoop::run(Duration limit) noexcept {
+  next_ = monotonic_now() + config_.period;
+  const TimePoint last = next_ + limit;
+  while (!stop_requested() && next_ < last) turn();
+
+  // Without the dead-man the slave holds and the force fades by its slew limit.
+  stopping_ = true;
+  constexpr Duration kGoodbye = std::chrono::milliseconds(100);
+  for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
+  write(device_, monotonic_now(), Vec6::Zero());
+}
+
+void MasterLoop::turn() noexcept {
+  LoopTiming& timing = record_.timing;
+  timing = {};
+  sleep_until(next_);
+  const TimePoint begin = monotonic_now();
+  timing.woken_late = begin - next_;
+
+  HandleReading reading = read(device_, begin);
+  if (stopping_) reading.dead_man = false;
+  const TimePoint sampled = monotonic_now();
+  const MasterToSlave& message = master_.sample(begin, reading, slave(begin));
+  const TimePoint sent = monotonic_now();
+  send(message);
+  const TimePoint waiting = monotonic_now();
+  await_answer(begin + config_.cut_off);
+  const TimePoint acting = monotonic_now();
+  record_.tick = master_.actuate(acting, slave(acting));
+  const TimePoint decided = monotonic_now();
+  write(device_, decided, record_.tick.tau);
+  const TimePoint end = monotonic_now();
+
+  timing.read = sampled - begin;
+  timing.compute = (sent - sampled) + (decided - acting);
+  timing.link = waiting - sent;
+  timing.wait = acting - waiting;
+  timing.write = end - decided;
+  finish(end, end - begin - timing.wait);
+}
+
+// Overruns are judged against the next period's begin; periods that were missed altogether are left out, not made up.
+void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
+  LoopTiming& timing = record_.timing;
+  split_.busy(busy);
+  next_ += config_.period;
+  if (end > next_) {
+    timing.overrun = true;
+    const auto shares = split_.split(end - next_, timing.woken_late);
+    timing.overrun_own = shares.own;
+    timing.overrun_machine = shares.machine;
+    next_ += ((end - next_) / config_.period) * config_.period;
+  }
+  if (link_ != nullptr) record_.link = link_status(*link_, socket_->counters().send_would_block);
+  recorder_.push(record_);
+}
+
+Peer<SlaveToMaster> MasterLoop::slave(TimePoint now) const noexcept {
+  return link_ == nullptr ? Peer<SlaveToMaster>{} : peer<SlaveToMaster>(*link_, now, config_.lost);
+}
+
+void MasterLoop::send(const MasterToSlave& message) noexcept {
+  if (link_ == nullptr) return;
+  const TimePoint now = monotonic_now();
+  socket_->send(link_->hello_due(now));
+  const auto datagram = link_->encode(message, now);
+  if (!datagram.empty()) sent_sequence_ = link_->sequence();
+  socket_->send(datagram);
+}
+
+bool MasterLoop::answered() const noexcept {
+  return link_->newest() != nullptr && link_->newest()->echo_sequence >= sent_sequence_;
+}
+
+void MasterLoop::await_answer(TimePoint until) noexcept {
+  if (link_ == nullptr) return;
+  receive();
+  while (!answered() && socket_->wait_readable(until)) receive();
+}
+
+// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.
+void MasterLoop::receive() noexcept {
+  constexpr int kBurst = 64;
+  std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
+  for (int i = 0; i < kBurst; ++i) {
+    const auto got = socket_->receive(buffer);
+    if (!got) return;
+    link_->receive(std::span(buffer).first(got->size), monotonic_now());
+  }
+}
+
+}  // namespace farhand

@@ -1,0 +1,63 @@
+// The master's real-time shell: clock, socket and device around the two halves of the tick.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "common/link.hpp"
+#include "common/loop_report.hpp"
+#include "common/realtime.hpp"
+#include "common/recorder.hpp"
+#include "common/udp.hpp"
+#include "master/devices.hpp"
+#include "master/master.hpp"
+
+namespace farhand {
+
+// One tick as it is recorded: what was decided, what it cost, and the link at that moment.
+struct MasterRecord {
+  MasterTick tick;
+  LoopTiming timing;
+  LinkStatus link;
+};
+
+struct MasterLoopConfig {
+  Duration period{std::chrono::milliseconds(1)};
+  Duration cut_off{std::chrono::microseconds(400)};  // how long to wait for the answer
+  Duration lost{std::chrono::milliseconds(500)};     // silence after which the slave is gone
+};
+
+class MasterLoop {
+ public:
+  // Everything is borrowed and must outlive the loop; socket and link are nullptr for a scene without a slave.
+  MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link, UdpSocket* socket,
+             Recorder<MasterRecord>& recorder) noexcept;
+
+  // Turns until a stop is requested or `limit` has passed; then lets the force fade, tells the slave, and leaves the motors at zero torque.
+  void run(Duration limit) noexcept;
+
+  // One period: wait for its begin, sample, send, wait for the answer, actuate, write.
+  void turn() noexcept;
+
+ private:
+  Peer<SlaveToMaster> slave(TimePoint now) const noexcept;
+  void send(const MasterToSlave& message) noexcept;
+  void await_answer(TimePoint until) noexcept;
+  void receive() noexcept;
+  bool answered() const noexcept;
+  void finish(TimePoint end, Duration busy) noexcept;
+
+  MasterLoopConfig config_;
+  Master& master_;
+  AnyDevice& device_;
+  MasterLink* link_;
+  UdpSocket* socket_;
+  Recorder<MasterRecord>& recorder_;
+  OverrunSplit split_;
+  bool stopping_ = false;
+  TimePoint next_{};
+  std::uint64_t sent_sequence_ = 0;
+  MasterRecord record_;
+};
+
+}  // namespace farhand

@@ -1,0 +1,83 @@
+#include "master/master.hpp"
+
+namespace farhand {
+
+Master::Master(const MasterConfig& config)
+    : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
+  if (config.force_feedback) force_.emplace(config.force_feedback->controller);
+  if (config.position_control) position_.emplace(*config.position_control, config.Ts);
+  tick_.out.force_wanted = force_.has_value();
+  tick_.position_controlled = position_.has_value();
+}
+
+const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
+                                    const Peer<SlaveToMaster>& slave) noexcept {
+  tick_.now = now;
+  tick_.reading = reading;
+  tick_.limits = kLimitNone;
+  if (reading.ok) {
+    const HandlePose pose = farhand::pose(handle_, reading.theta);
+    tick_.handle.status = pose.status;
+    if (pose.status == Status::ok) tick_.handle = pose;
+  }
+  decide_mode(slave);
+  count_presses();
+  MasterToSlave& out = tick_.out;
+  out.p_MH = tick_.handle.X_MH.p;
+  out.q_MH = to_quat(tick_.handle.X_MH.R);
+  out.V_MH = velocity_.step(tick_.handle.X_MH);
+  out.mode = tick_.mode;
+  return out;
+}
+
+void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
+  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::idle;
+  tick_.mode = next_mode(tick_.mode, {.equipment_ok = tick_.reading.ok && tick_.handle.status == Status::ok,
+                                      .connected = slave.connected && slave.newest != nullptr,
+                                      .fresh = slave.age <= config_.stale,
+                                      .partner_able = other == Mode::ready || other == Mode::engaged,
+                                      .dead_man = tick_.reading.dead_man});
+}
+
+// Edges are counted so that the slave can tell a new press from one it missed the release of.
+void Master::count_presses() noexcept {
+  MasterToSlave& out = tick_.out;
+  if (tick_.reading.dead_man && !out.dead_man) ++out.dead_man_presses;
+  if (tick_.reading.clutch && !out.clutch) ++out.clutch_presses;
+  out.dead_man = tick_.reading.dead_man;
+  out.clutch = tick_.reading.clutch;
+}
+
+const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
+  tick_.age = slave.age;
+  if (slave.newest != nullptr) tick_.in = *slave.newest;
+  if (!force_ && !position_) return tick_;
+
+  Vec6 tau = Vec6::Zero();
+  tick_.F_G = wanted_wrench(now, slave);
+  if (tick_.reading.ok && tick_.handle.status == Status::ok) {
+    const MotorTorques motors = torque(handle_, tick_.F_G);
+    if (motors.status != Status::ok) tick_.limits |= kLimitAcceptance;
+    tau = motors.tau;
+  }
+  tick_.tau = limit_motor_torques(config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,
+                                  tau, tick_.tau, tick_.limits);
+  return tick_;
+}
+
+// In handle axes, already within what the hand may feel.
+Wrench Master::wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
+  if (position_) {
+    Wrench F;
+    if (tick_.handle.status == Status::ok) F.force = position_->step(now, tick_.handle.X_MH.p, tick_.limits);
+    tick_.p_MH_target = position_->target();
+    return F;
+  }
+  const bool felt = tick_.mode == Mode::engaged && slave.newest != nullptr && slave.newest->coupled;
+  const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
+  if (felt && share < 1) tick_.limits |= kLimitStale;
+  tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};
+  return force_->step(tick_.F_env_G, tick_.reading.has_force ? &tick_.reading.F_user_G : nullptr, tick_.limits);
+}
+
+}  // namespace farhand

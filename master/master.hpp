@@ -1,0 +1,79 @@
+// The master's tick, in two halves: sample() when the period begins, actuate() when the slave's answer to it is there or a
+// cut-off has passed. So motion becomes force within one round trip. Plain functions of (now, partner, reading, state); the shell
+// around them owns the clock, the socket and the device.
+#pragma once
+
+#include <optional>
+
+#include "common/limits.hpp"
+#include "common/mode.hpp"
+#include "common/peer.hpp"
+#include "common/time.hpp"
+#include "common/wire.hpp"
+#include "master/compensation.hpp"
+#include "master/force_controller.hpp"
+#include "master/handle.hpp"
+#include "master/haptic_device.hpp"
+#include "master/position_control.hpp"
+
+namespace farhand {
+
+struct ForceFeedbackConfig {
+  CompensationConfig compensation;
+  ForceControllerConfig controller;
+};
+
+struct MasterConfig {
+  double Ts = 0.001;                               // period of the tick [s]
+  Duration stale = std::chrono::milliseconds(20);  // an older answer ends the engagement
+  Handle handle;
+  double velocity_cutoff_hz = 60;
+  double max_motor_torque = 3;       // [N m]
+  double torque_rise_time_s = 0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
+  std::optional<ForceFeedbackConfig> force_feedback;
+  std::optional<PositionControlConfig> position_control;
+};
+
+// Everything one tick read, sent, received and wrote; the recorder takes it whole.
+struct MasterTick {
+  TimePoint now{};
+  HandleReading reading;
+  HandlePose handle;
+  Mode mode = Mode::idle;
+  MasterToSlave out;
+  SlaveToMaster in;                // the newest when acting; defaults before the first
+  Duration age = Duration::max();  // of `in`
+  Wrench F_env_G;                  // robot on environment in handle axes, as compensated
+  Wrench F_G;                      // commanded: handle on hand
+  Vec6 tau = Vec6::Zero();         // written to the device [N m]
+  bool position_controlled = false;
+  Vec3 p_MH_target = Vec3::Zero();  // of position control
+  LimitSet limits = kLimitNone;
+};
+
+class Master {
+ public:
+  explicit Master(const MasterConfig& config);
+
+  // Where the handle is, and what the slave shall know of it. Send the message at once.
+  const MasterToSlave& sample(TimePoint now, const HandleReading& reading, const Peer<SlaveToMaster>& slave) noexcept;
+
+  // Motor torques for this period. Write tick.tau. The reference stays valid until the next sample().
+  const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept;
+
+  const MasterConfig& config() const noexcept { return config_; }
+
+ private:
+  void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
+  void count_presses() noexcept;
+  Wrench wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept;
+
+  MasterConfig config_;
+  Handle handle_;
+  HandleVelocity velocity_;
+  std::optional<ForceController> force_;
+  std::optional<PositionControl> position_;
+  MasterTick tick_;
+};
+
+}  // namespace farhand

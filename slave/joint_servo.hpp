@@ -1,0 +1,72 @@
+// One PID per joint, with what the model knows fed forward (reference sections 4 and 9.3):
+//
+//   tau = PID(q_cmd - q) + G(q) + share C tanh(dq_cmd / speed) + share b dq_cmd + share kd dq_cmd
+//         servo            gravity  Coulomb and viscous friction            velocity feed-forward
+//
+// kp = J w^2, kd = 2 z w J, ki = integral kp; derivative on the measurement; w = 2 pi bandwidth. Each feed-forward term is a
+// stage of its own and costs nothing when it is absent. dq_cmd is the low-passed difference of q_cmd.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <optional>
+
+#include "common/geometry.hpp"
+#include "common/pid.hpp"
+#include "slave/arm_dynamics.hpp"
+
+namespace farhand {
+
+struct FrictionCompensationConfig {
+  double share = 1;         // of the model's friction, 0..1
+  double speed_scale = 0.02;  // [rad/s]
+};
+struct VelocityFeedforwardConfig {
+  double share = 1;  // of kd, 0..1
+};
+struct JointServoConfig {
+  double bandwidth_hz = 6;
+  double damping_ratio = 0.9;
+  double integral_per_s = 1;
+  double derivative_cutoff_hz = 0;  // 0: none
+  // Inertia each joint is tuned for [kg m^2], assumed (reference section 9.3).
+  Vec6 inertia = (Vec6() << 0.5, 0.5, 0.3, 0.05, 0.05, 0.02).finished();
+  double command_cutoff_hz = 40;  // of dq_cmd
+  bool gravity_compensation = false;
+  std::optional<FrictionCompensationConfig> friction_compensation;
+  std::optional<VelocityFeedforwardConfig> velocity_feedforward;
+};
+
+PidConfig joint_gains(const JointServoConfig& config, double inertia, double torque_limit) noexcept;
+
+// (r - q) / r at the angular frequency w [rad/s] of the servo as configured around a plant of its nominal inertia without
+// friction: what tracking error to expect. Velocity feed-forward counts with its share.
+std::complex<double> servo_error(const JointServoConfig& config, double w) noexcept;
+
+class JointServo {
+ public:
+  // Ts > 0 [s]; the model gives gravity, friction and torque limits.
+  JointServo(const JointServoConfig& config, const ArmModel& model, double Ts) noexcept;
+
+  // Joint torques [N m], not yet limited. The first call after reset() starts without a kick.
+  Vec6 step(const Vec6& q_cmd, const Vec6& q) noexcept;
+  void reset() noexcept;
+  // A controller's integral was stopped by the torque limit in the last step.
+  bool saturated() const noexcept;
+
+ private:
+  const Vec6& command_rate(const Vec6& q_cmd) noexcept;
+
+  JointServoConfig config_;
+  ArmModel model_;
+  ArmDynamics dynamics_;
+  double Ts_;
+  double rate_gain_;
+  std::array<Pid, 6> pid_;
+  std::array<PidState, 6> state_;
+  bool primed_ = false;
+  Vec6 q_cmd_ = Vec6::Zero();
+  Vec6 dq_cmd_ = Vec6::Zero();
+};
+
+}  // namespace farhand

@@ -1,0 +1,99 @@
+#include "slave/loop.hpp"
+
+#include <array>
+
+namespace farhand {
+
+SlaveLoop::SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link, UdpSocket& socket,
+                     Recorder<SlaveRecord>& recorder) noexcept
+    : config_(config),
+      slave_(slave),
+      robot_(robot),
+      link_(link),
+      socket_(socket),
+      recorder_(recorder),
+      phase_(config.period, monotonic_now() + config.period) {}
+
+void SlaveLoop::run(Duration limit) noexcept {
+  const TimePoint last = phase_.deadline() + limit;
+  while (!stop_requested() && phase_.deadline() < last) turn();
+
+  stopping_ = true;
+  constexpr Duration kGoodbye = std::chrono::milliseconds(200);
+  for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
+}
+
+void SlaveLoop::turn() noexcept {
+  LoopTiming& timing = record_.timing;
+  timing = {};
+  const bool on_arrival = await_message();
+  const TimePoint planned = phase_.deadline();
+  const TimePoint begin = monotonic_now();
+
+  const RobotReading reading = read(robot_, begin);
+  const TimePoint sampled = monotonic_now();
+  record_.tick = slave_.tick(begin, master(begin), reading);
+  const TimePoint decided = monotonic_now();
+  write(robot_, decided, record_.tick.tau);
+  const TimePoint written = monotonic_now();
+  send();
+  const TimePoint end = monotonic_now();
+
+  timing.read = sampled - begin;
+  timing.compute = decided - sampled;
+  timing.write = written - decided;
+  timing.link = end - written;
+  phase_.ticked(begin, on_arrival);
+  finish(planned, begin, end);
+}
+
+// Late is a tick that began after the last instant at which it should have, or ended when the next should have begun.
+void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept {
+  LoopTiming& timing = record_.timing;
+  timing.woken_late = std::max(begin - planned, Duration(0));
+  split_.busy(end - begin);
+  const TimePoint due = planned + config_.period / 2;
+  if (end > due) {
+    timing.overrun = true;
+    const auto shares = split_.split(end - due, timing.woken_late);
+    timing.overrun_own = shares.own;
+    timing.overrun_machine = shares.machine;
+  }
+  record_.link = link_status(link_, socket_.counters().send_would_block);
+  recorder_.push(record_);
+}
+
+Peer<MasterToSlave> SlaveLoop::master(TimePoint now) const noexcept {
+  return stopping_ ? Peer<MasterToSlave>{} : peer<MasterToSlave>(link_, now, config_.lost);
+}
+
+bool SlaveLoop::await_message() noexcept {
+  const auto arrived = [this] { return link_.newest() != nullptr && link_.newest()->sequence != ticked_sequence_; };
+  sleep_until(phase_.earliest());
+  receive();
+  while (!arrived() && socket_.wait_readable(phase_.deadline())) receive();
+  const bool on_arrival = arrived();
+  if (link_.newest() != nullptr) ticked_sequence_ = link_.newest()->sequence;
+  return on_arrival;
+}
+
+// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only an accepted datagram may
+// say where the master is.
+void SlaveLoop::receive() noexcept {
+  constexpr int kBurst = 64;
+  std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
+  for (int i = 0; i < kBurst; ++i) {
+    const auto got = socket_.receive(buffer);
+    if (!got) return;
+    if (link_.receive(std::span(buffer).first(got->size), monotonic_now()) == Verdict::accepted)
+      socket_.set_peer(got->from);
+  }
+}
+
+void SlaveLoop::send() noexcept {
+  const TimePoint now = monotonic_now();
+  socket_.send(link_.hello_due(now));
+  socket_.send(link_.encode(record_.tick.out, now));
+}
+
+}  // namespace farhand

@@ -1,0 +1,60 @@
+// The slave's real-time shell: clock, socket and robot around the tick, phase-locked to the master's messages.
+#pragma once
+
+#include "common/link.hpp"
+#include "common/loop_report.hpp"
+#include "common/phase_lock.hpp"
+#include "common/realtime.hpp"
+#include "common/recorder.hpp"
+#include "common/udp.hpp"
+#include "slave/robots.hpp"
+#include "slave/slave.hpp"
+
+namespace farhand {
+
+// One tick as it is recorded: what was decided, what it cost, and the link at that moment.
+struct SlaveRecord {
+  SlaveTick tick;
+  LoopTiming timing;
+  LinkStatus link;
+};
+
+struct SlaveLoopConfig {
+  Duration period{std::chrono::milliseconds(1)};
+  Duration lost{std::chrono::milliseconds(500)};  // silence after which the master is gone
+};
+
+class SlaveLoop {
+ public:
+  // Everything is borrowed and must outlive the loop.
+  SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link, UdpSocket& socket,
+            Recorder<SlaveRecord>& recorder) noexcept;
+
+  // Turns until a stop is requested or `limit` has passed; then the master counts as gone, the robot comes to rest and is left held, and the master
+  // is told.
+  void run(Duration limit) noexcept;
+
+  // One period: wait for the master's message or the deadline, read, tick, write, answer.
+  void turn() noexcept;
+
+ private:
+  Peer<MasterToSlave> master(TimePoint now) const noexcept;
+  bool await_message() noexcept;
+  void receive() noexcept;
+  void send() noexcept;
+  void finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept;
+
+  SlaveLoopConfig config_;
+  Slave& slave_;
+  AnyRobot& robot_;
+  SlaveLink& link_;
+  UdpSocket& socket_;
+  Recorder<SlaveRecord>& recorder_;
+  PhaseLock phase_;
+  OverrunSplit split_;
+  bool stopping_ = false;
+  std::uint64_t ticked_sequence_ = 0;
+  SlaveRecord record_;
+};
+
+}  // namespace farhand

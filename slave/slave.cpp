@@ -1,0 +1,93 @@
+#include "slave/slave.hpp"
+
+#include <limits>
+
+namespace farhand {
+
+Slave::Slave(const SlaveConfig& config) noexcept
+    : config_(config), q_step_(config.joints.speed * config.Ts), servo_(config.servo, config.model, config.Ts) {
+  for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
+  tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
+  if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
+}
+
+const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master, const RobotReading& robot) noexcept {
+  tick_.now = now;
+  tick_.age = master.age;
+  tick_.robot = robot;
+  tick_.limits = kLimitNone;
+  decide_mode(master);
+  if (robot.ok) {
+    const ArmKinematics arm = kinematics(config_.arm, robot.q);
+    tick_.X_SE = arm.X_SE;
+    tick_.singularity = arm.singularity;
+    tick_.out.V_SE = tool_twist(arm.J, robot.dq);
+    move_target(master.newest);
+    command_joints();
+    if (force_sensing_) tick_.F_E_S = force_sensing_->step(robot.F_E_S, arm.X_SE);
+  }
+  answer(master.newest);
+  return tick_;
+}
+
+void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
+  const MasterToSlave* in = master.newest;
+  tick_.mode = next_mode(tick_.mode, {.equipment_ok = tick_.robot.ok,
+                                      .connected = master.connected && in != nullptr,
+                                      .fresh = master.age <= config_.stale,
+                                      .partner_able = true,
+                                      .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
+  if (master.age > config_.stale) tick_.limits |= kLimitStale;
+}
+
+// The handle's pose becomes a tool target, and that a joint target if it can be reached; otherwise the last one stays.
+void Slave::move_target(const MasterToSlave* in) noexcept {
+  if (!started_) {
+    started_ = true;
+    tick_.q_cmd = q_target_ = tick_.robot.q;
+    uncouple(workspace_, tick_.X_SE);
+  }
+  tick_.coupled = tick_.mode == Mode::engaged && !in->clutch;
+  tick_.inverse = Status::ok;
+  if (tick_.coupled) {
+    const Pose X_MH{in->q_MH.toRotationMatrix(), in->p_MH};
+    if (!workspace_.coupled) couple(workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
+    tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
+    const ArmNearest nearest = inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_);
+    tick_.inverse = nearest.status;
+    if (nearest.status == Status::ok) q_target_ = nearest.q;
+    else tick_.limits |= kLimitWorkspace;
+  } else if (workspace_.coupled) {
+    q_target_ = tick_.q_cmd;
+    uncouple(workspace_, forward(config_.arm, tick_.q_cmd));
+    tick_.X_SE_target = workspace_.X_SE_target;
+  }
+}
+
+// Speed limit on the joint command, servo, and the way out: finite, clamp, slew.
+void Slave::command_joints() noexcept {
+  const Vec6 move = q_target_ - tick_.q_cmd;
+  const Vec6 allowed = move.cwiseMax(-q_step_).cwiseMin(q_step_);
+  if (allowed != move) tick_.limits |= kLimitSpeed;
+  tick_.q_cmd = allowed == move ? q_target_ : Vec6(tick_.q_cmd + allowed);
+
+  const Vec6 tau = servo_.step(tick_.q_cmd, tick_.robot.q);
+  if (servo_.saturated()) tick_.limits |= kLimitSaturated;
+  tick_.tau = limit_joint_torques(tau_max_, tau_step_, tau, tick_.tau, tick_.limits);
+}
+
+void Slave::answer(const MasterToSlave* in) noexcept {
+  SlaveToMaster& out = tick_.out;
+  out.p_SE = tick_.X_SE.p;
+  out.q_SE = to_quat(tick_.X_SE.R);
+  out.mode = tick_.mode;
+  out.coupled = tick_.coupled;
+  out.limits = tick_.limits;
+  if (force_sensing_) out.F_E_M = reflect(config_.workspace, tick_.F_E_S);
+  if (in != nullptr) {
+    out.dead_man_presses_seen = in->dead_man_presses;
+    out.clutch_presses_seen = in->clutch_presses;
+  }
+}
+
+}  // namespace farhand

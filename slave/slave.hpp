@@ -1,0 +1,78 @@
+// The slave's tick: target in, joint torques and contact wrench out. A plain function of (now, partner, robot reading, state);
+// the shell around it owns the clock, the socket and the robot.
+#pragma once
+
+#include <optional>
+
+#include "common/limits.hpp"
+#include "common/mode.hpp"
+#include "common/peer.hpp"
+#include "common/time.hpp"
+#include "common/wire.hpp"
+#include "slave/arm.hpp"
+#include "slave/force_sensing.hpp"
+#include "slave/joint_servo.hpp"
+#include "slave/robot.hpp"
+#include "slave/workspace.hpp"
+
+namespace farhand {
+
+struct SlaveConfig {
+  double Ts = 0.001;                               // period of the tick [s]
+  Duration stale = std::chrono::milliseconds(20);  // an older message holds all motion
+  ArmGeometry arm;
+  JointLimits joints;
+  WorkspaceConfig workspace;
+  JointServoConfig servo;
+  ArmModel model;                      // what the servo's feed-forward believes
+  double torque_rise_time_s = 0.02;    // a joint torque may go from 0 to its limit in this time: the slew limit
+  std::optional<ForceSensingConfig> force_sensing;
+};
+
+// Everything one tick read, decided and sent; the recorder takes it whole.
+struct SlaveTick {
+  TimePoint now{};
+  Duration age = Duration::max();  // of the master's message used
+  RobotReading robot;
+  Mode mode = Mode::idle;
+  bool coupled = false;
+  Pose X_SE;         // of the measured joints
+  Pose X_SE_target;
+  Vec6 q_cmd = Vec6::Zero();  // joint command after speed limits
+  Vec6 tau = Vec6::Zero();    // written to the robot
+  Wrench F_E_S;               // cleaned: tool weight and bias removed
+  Status inverse = Status::ok;
+  ArmSingularity singularity;
+  LimitSet limits = kLimitNone;
+  SlaveToMaster out;
+};
+
+class Slave {
+ public:
+  explicit Slave(const SlaveConfig& config) noexcept;
+
+  // One period. Write tick.tau to the robot, then send tick.out. The reference stays valid until the next call.
+  const SlaveTick& tick(TimePoint now, const Peer<MasterToSlave>& master, const RobotReading& robot) noexcept;
+
+  const SlaveConfig& config() const noexcept { return config_; }
+  const WorkspaceState& workspace() const noexcept { return workspace_; }
+
+ private:
+  void decide_mode(const Peer<MasterToSlave>& master) noexcept;
+  void move_target(const MasterToSlave* in) noexcept;
+  void command_joints() noexcept;
+  void answer(const MasterToSlave* in) noexcept;
+
+  SlaveConfig config_;
+  Vec6 q_step_;     // largest joint command change per tick [rad]
+  Vec6 tau_max_;    // [N m]
+  Vec6 tau_step_;   // [N m per tick]
+  WorkspaceState workspace_;
+  JointServo servo_;
+  std::optional<ForceSensing> force_sensing_;
+  bool started_ = false;
+  Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
+  SlaveTick tick_;
+};
+
+}  // namespace farhand

@@ -1,0 +1,25 @@
+// What the slave's end of a run is told by: how well the robot followed, and what held it back.
+#pragma once
+
+#include <array>
+
+#include "common/limit_counts.hpp"
+#include "common/statistics.hpp"
+#include "slave/slave.hpp"
+
+namespace farhand {
+
+struct SlaveSummary {
+  std::uint64_t ticks = 0;
+  std::array<std::uint64_t, 4> ticks_in_mode{};
+  std::uint64_t coupled_ticks = 0;
+  // Tool target against tool, while coupled.
+  Rms position_free, position_contact;  // [m]
+  Rms rotation_free, rotation_contact;  // [rad]
+  Rms force;                            // size of the contact force [N] while touching
+  LimitCounts limits;
+
+  void add(const SlaveTick& tick) noexcept;
+};
+
+}  // namespace farhand

@@ -1,0 +1,132 @@
+#include "tests/loop/loopback.hpp"
+
+#include <algorithm>
+
+namespace farhand {
+namespace {
+
+// One scene seed feeds several generators; each gets a number of its own.
+enum Stream : std::uint64_t { kHandStream = 1, kRobotStream, kToSlaveStream, kToMasterStream };
+constexpr std::uint64_t stream(std::uint64_t seed, Stream which) {
+  return seed * 8 + which;
+}
+
+std::optional<ImpairmentConfig> impairment(bool present, const proto::Impairment& i) {
+  if (!present) return {};
+  const auto kind = i.jitter() == proto::Impairment::UNIFORM  ? JitterKind::uniform
+                    : i.jitter() == proto::Impairment::NORMAL ? JitterKind::normal
+                                                              : JitterKind::gamma;
+  return ImpairmentConfig{.delay_ms = i.delay_ms(),
+                          .jitter_ms = i.jitter_ms(),
+                          .jitter_kind = kind,
+                          .loss_ratio = i.loss_ratio(),
+                          .burst_enter_ratio = i.burst_enter_ratio(),
+                          .burst_leave_ratio = i.burst_leave_ratio(),
+                          .duplicate_ratio = i.duplicate_ratio(),
+                          .reorder_ratio = i.reorder_ratio(),
+                          .corrupt_ratio = i.corrupt_ratio()};
+}
+
+void push(Impairment& network, std::span<const std::byte> datagram, TimePoint now) noexcept {
+  if (!datagram.empty()) network.push(datagram, now);
+}
+
+}  // namespace
+
+Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
+    : loop_(master_loop_config(scene.proto)),
+      master_(master_config(scene.proto)),
+      device_(make_device(scene, options.trace, stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
+      link_({.session = 1, .scene_hash = scene.shared_hash}),
+      end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
+  if (scene.proto.has_slave()) slave_.emplace(make_slave(scene, options.seed.value_or(scene.proto.seed())));
+}
+
+Loopback::SlaveSide Loopback::make_slave(const Scene& scene, std::uint64_t seed) const {
+  const proto::Link& link = scene.proto.link();
+  const SlaveLoopConfig loop = slave_loop_config(scene.proto);
+  return {.slave = Slave(slave_config(scene.proto)),
+          .robot = make_robot(scene.proto, stream(seed, kRobotStream)),
+          .link = SlaveLink({.session = 2, .scene_hash = scene.shared_hash}),
+          .to_slave = Impairment(impairment(link.has_to_slave(), link.to_slave()), stream(seed, kToSlaveStream)),
+          .to_master = Impairment(impairment(link.has_to_master(), link.to_master()), stream(seed, kToMasterStream)),
+          .phase = PhaseLock(loop.period, kStart + loop.period / 2),
+          .loop = loop};
+}
+
+void Loopback::run() {
+  run_until(end_);
+}
+
+void Loopback::run_until(TimePoint until) {
+  for (;;) {
+    const TimePoint at = next_event();
+    if (at >= until) return;
+    now_ = at;
+    if (slave_) {
+      deliver();
+      if (slave_due() <= now_) slave_tick();
+    }
+    if (cut_off_ && (answered() || *cut_off_ <= now_)) actuate();
+    if (next_sample_ <= now_ && !cut_off_) sample();
+  }
+}
+
+TimePoint Loopback::next_event() const noexcept {
+  TimePoint at = cut_off_ ? *cut_off_ : next_sample_;
+  if (!slave_) return at;
+  at = std::min(at, slave_due());
+  if (const auto due = slave_->to_slave.next_due()) at = std::min(at, *due);
+  if (const auto due = slave_->to_master.next_due()) at = std::min(at, *due);
+  return std::max(at, now_);
+}
+
+TimePoint Loopback::slave_due() const noexcept {
+  return slave_->message_waits ? std::max(slave_->phase.earliest(), now_) : slave_->phase.deadline();
+}
+
+void Loopback::deliver() noexcept {
+  for (auto d = slave_->to_slave.pop(now_, buffer_); !d.empty(); d = slave_->to_slave.pop(now_, buffer_))
+    slave_->link.receive(d, now_);
+  for (auto d = slave_->to_master.pop(now_, buffer_); !d.empty(); d = slave_->to_master.pop(now_, buffer_))
+    link_.receive(d, now_);
+  const auto* newest = slave_->link.newest();
+  slave_->message_waits = newest != nullptr && newest->sequence != slave_->ticked_sequence;
+}
+
+void Loopback::slave_tick() {
+  SlaveSide& s = *slave_;
+  const RobotReading reading = read(s.robot, now_);
+  const SlaveTick& tick = s.slave.tick(now_, peer<MasterToSlave>(s.link, now_, s.loop.lost), reading);
+  write(s.robot, now_, tick.tau);
+  push(s.to_master, s.link.hello_due(now_), now_);
+  push(s.to_master, s.link.encode(tick.out, now_), now_);
+  s.phase.ticked(now_, s.message_waits);
+  if (s.link.newest() != nullptr) s.ticked_sequence = s.link.newest()->sequence;
+  s.message_waits = false;
+  on_slave(tick);
+}
+
+void Loopback::sample() {
+  const MasterToSlave& message = master_.sample(now_, read(device_, now_), peer<SlaveToMaster>(link_, now_, loop_.lost));
+  next_sample_ += loop_.period;
+  cut_off_ = now_;
+  if (!slave_) return;
+  push(slave_->to_slave, link_.hello_due(now_), now_);
+  push(slave_->to_slave, link_.encode(message, now_), now_);
+  sent_sequence_ = link_.sequence();
+  cut_off_ = now_ + loop_.cut_off;
+}
+
+void Loopback::actuate() {
+  cut_off_.reset();
+  const MasterTick& tick = master_.actuate(now_, peer<SlaveToMaster>(link_, now_, loop_.lost));
+  write(device_, now_, tick.tau);
+  on_master(tick);
+}
+
+bool Loopback::answered() const noexcept {
+  return slave_ && link_.newest() != nullptr && link_.newest()->echo_sequence >= sent_sequence_ && sent_sequence_ > 0;
+}
+
+}  // namespace farhand

@@ -1,0 +1,92 @@
+// Both sides in one process under virtual time: the same ticks, links and simulated hardware as the two programs, with a seeded
+// network between them. The same scene, seed and build give the same bits.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "common/impairment.hpp"
+#include "common/link.hpp"
+#include "common/phase_lock.hpp"
+#include "common/scene.hpp"
+#include "master/build.hpp"
+#include "master/devices.hpp"
+#include "master/master.hpp"
+#include "slave/build.hpp"
+#include "slave/robots.hpp"
+#include "slave/slave.hpp"
+
+namespace farhand {
+
+struct LoopbackOptions {
+  std::optional<std::uint64_t> seed;   // instead of the scene's
+  std::optional<double> duration_s;    // instead of the scene's
+  std::optional<std::string> trace;    // motion of the simulated hand
+};
+
+class Loopback {
+ public:
+  Loopback(const Scene& scene, const LoopbackOptions& options);
+
+  // Called once per tick, after its command was written.
+  std::function<void(const MasterTick&)> on_master = [](const MasterTick&) {};
+  std::function<void(const SlaveTick&)> on_slave = [](const SlaveTick&) {};
+
+  // Runs to the end of the scene's duration.
+  void run();
+  // Runs up to `until`, exclusive.
+  void run_until(TimePoint until);
+
+  TimePoint start() const noexcept { return kStart; }
+  TimePoint end() const noexcept { return end_; }
+  TimePoint now() const noexcept { return now_; }
+
+  // What a checker may look at.
+  const AnyDevice& device() const noexcept { return device_; }
+  const AnyRobot* robot() const noexcept { return slave_ ? &slave_->robot : nullptr; }
+  const Master& master() const noexcept { return master_; }
+  const Slave* slave() const noexcept { return slave_ ? &slave_->slave : nullptr; }
+  const LinkCounters& master_link() const noexcept { return link_.counters(); }
+  const LinkCounters* slave_link() const noexcept { return slave_ ? &slave_->link.counters() : nullptr; }
+  const LinkQuality& quality() const noexcept { return link_.quality(); }
+
+ private:
+  static constexpr TimePoint kStart{std::chrono::seconds(1)};
+
+  struct SlaveSide {
+    Slave slave;
+    AnyRobot robot;
+    SlaveLink link;
+    Impairment to_slave, to_master;
+    PhaseLock phase;
+    SlaveLoopConfig loop;
+    std::uint64_t ticked_sequence = 0;
+    bool message_waits = false;
+  };
+
+  SlaveSide make_slave(const Scene& scene, std::uint64_t seed) const;
+  TimePoint next_event() const noexcept;
+  TimePoint slave_due() const noexcept;
+  void deliver() noexcept;
+  void slave_tick();
+  void sample();
+  void actuate();
+  bool answered() const noexcept;
+
+  MasterLoopConfig loop_;
+  Master master_;
+  AnyDevice device_;
+  MasterLink link_;
+  std::optional<SlaveSide> slave_;
+
+  TimePoint now_ = kStart;
+  TimePoint end_;
+  TimePoint next_sample_ = kStart;
+  std::optional<TimePoint> cut_off_;  // while an answer is awaited
+  std::uint64_t sent_sequence_ = 0;
+  std::array<std::byte, kMaxDatagramBytes> buffer_{};
+};
+
+}  // namespace farhand
