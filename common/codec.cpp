@@ -1,0 +1,266 @@
+#include "common/codec.hpp"
+
+#include <cmath>
+
+#include "proto/wire.pb.h"
+
+namespace farhand {
+namespace {
+
+using Doubles = google::protobuf::RepeatedField<double>;
+
+static_assert(static_cast<int>(Mode::idle) == proto::MODE_IDLE &&
+              static_cast<int>(Mode::holding) == proto::Mode_MAX);
+static_assert(static_cast<int>(Role::master) == proto::ROLE_MASTER &&
+              static_cast<int>(Role::slave) == proto::Role_MAX);
+
+template <typename Column>
+void put(const Column& from, Doubles* to) {
+  to->Resize(static_cast<int>(from.size()), 0);
+  for (int i = 0; i < to->size(); ++i) to->Set(i, from[i]);
+}
+
+// False if the array has another length.
+template <typename Column>
+bool get(const Doubles& from, Column& to) {
+  if (from.size() != to.size()) return false;
+  for (int i = 0; i < from.size(); ++i) to[i] = from[i];
+  return true;
+}
+
+bool in_range(Mode m) noexcept {
+  return m <= Mode::holding;
+}
+bool is_rotation(const Quat& q) noexcept {
+  return std::abs(q.norm() - 1) <= kQuaternionTolerance;  // false for NaN
+}
+bool finite(const Twist& V) noexcept {
+  return V.angular.allFinite() && V.linear.allFinite();
+}
+
+using Vec4 = Eigen::Vector4d;
+Vec4 wxyz(const Quat& q) noexcept {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
+
+void put(const Header& from, proto::Header* to) {
+  to->set_session(from.session);
+  to->set_peer_session(from.peer_session);
+  to->set_sequence(from.sequence);
+  to->set_sent_ns(from.sent);
+  to->set_echo_sequence(from.echo_sequence);
+  to->set_echo_sent_ns(from.echo_sent);
+  to->set_echo_hold_ns(from.echo_hold);
+}
+
+Header get(const proto::Header& from) noexcept {
+  return {.session = from.session(),
+          .peer_session = from.peer_session(),
+          .sequence = from.sequence(),
+          .sent = from.sent_ns(),
+          .echo_sequence = from.echo_sequence(),
+          .echo_sent = from.echo_sent_ns(),
+          .echo_hold = from.echo_hold_ns()};
+}
+
+void put(const Hello& from, proto::Hello& to) {
+  to.set_protocol_version(from.protocol_version);
+  to.set_role(static_cast<proto::Role>(from.role));
+  to.set_session(from.session);
+  to.set_scene_hash(from.scene_hash);
+  to.set_capabilities(from.capabilities);
+}
+
+void put(const MasterToSlave& from, proto::MasterToSlave& to) {
+  put(from.p_MH, to.mutable_position_handle_in_master_m());
+  put(wxyz(from.q_MH), to.mutable_orientation_handle_in_master_wxyz());
+  put(from.V_MH.angular, to.mutable_angular_velocity_handle_in_master_rad_per_s());
+  put(from.V_MH.linear, to.mutable_velocity_handle_in_master_m_per_s());
+  to.set_mode(static_cast<proto::Mode>(from.mode));
+  to.set_dead_man(from.dead_man);
+  to.set_clutch(from.clutch);
+  to.set_force_wanted(from.force_wanted);
+  to.set_dead_man_presses(from.dead_man_presses);
+  to.set_clutch_presses(from.clutch_presses);
+  to.set_energy_in_joule(from.energy_in);
+  to.set_energy_out_joule(from.energy_out);
+}
+
+bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
+  Vec4 q;
+  if (!get(from.position_handle_in_master_m(), to.p_MH) ||
+      !get(from.orientation_handle_in_master_wxyz(), q) ||
+      !get(from.angular_velocity_handle_in_master_rad_per_s(), to.V_MH.angular) ||
+      !get(from.velocity_handle_in_master_m_per_s(), to.V_MH.linear))
+    return false;
+  to.q_MH = Quat(q[0], q[1], q[2], q[3]);
+  to.mode = static_cast<Mode>(from.mode());
+  to.dead_man = from.dead_man();
+  to.clutch = from.clutch();
+  to.force_wanted = from.force_wanted();
+  to.dead_man_presses = from.dead_man_presses();
+  to.clutch_presses = from.clutch_presses();
+  to.energy_in = from.energy_in_joule();
+  to.energy_out = from.energy_out_joule();
+  return true;
+}
+
+void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
+  put(from.p_SE, to.mutable_position_tool_in_slave_m());
+  put(wxyz(from.q_SE), to.mutable_orientation_tool_in_slave_wxyz());
+  put(from.V_SE.angular, to.mutable_angular_velocity_tool_in_slave_rad_per_s());
+  put(from.V_SE.linear, to.mutable_velocity_tool_in_slave_m_per_s());
+  put(from.F_E_M.force, to.mutable_force_on_environment_in_master_newton());
+  put(from.F_E_M.torque, to.mutable_torque_on_environment_in_master_newton_m());
+  to.set_mode(static_cast<proto::Mode>(from.mode));
+  to.set_coupled(from.coupled);
+  to.set_limits(from.limits);
+  to.set_dead_man_presses_seen(from.dead_man_presses_seen);
+  to.set_clutch_presses_seen(from.clutch_presses_seen);
+  to.set_stops(from.stops);
+  to.set_energy_in_joule(from.energy_in);
+  to.set_energy_out_joule(from.energy_out);
+}
+
+bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
+  Vec4 q;
+  if (!get(from.position_tool_in_slave_m(), to.p_SE) ||
+      !get(from.orientation_tool_in_slave_wxyz(), q) ||
+      !get(from.angular_velocity_tool_in_slave_rad_per_s(), to.V_SE.angular) ||
+      !get(from.velocity_tool_in_slave_m_per_s(), to.V_SE.linear) ||
+      !get(from.force_on_environment_in_master_newton(), to.F_E_M.force) ||
+      !get(from.torque_on_environment_in_master_newton_m(), to.F_E_M.torque))
+    return false;
+  to.q_SE = Quat(q[0], q[1], q[2], q[3]);
+  to.mode = static_cast<Mode>(from.mode());
+  to.coupled = from.coupled();
+  to.limits = from.limits();
+  to.dead_man_presses_seen = from.dead_man_presses_seen();
+  to.clutch_presses_seen = from.clutch_presses_seen();
+  to.stops = from.stops();
+  to.energy_in = from.energy_in_joule();
+  to.energy_out = from.energy_out_joule();
+  return true;
+}
+
+template <typename Proto>
+std::size_t serialise(PayloadType type, const Proto& message, std::size_t size,
+                      std::span<std::byte> payload) noexcept {
+  if (message.ByteSizeLong() + 1 != size || payload.size() < size) return 0;
+  payload[0] = static_cast<std::byte>(type);
+  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(&payload[1]));
+  return size;
+}
+
+bool is(PayloadType type, std::span<const std::byte> payload) noexcept {
+  return !payload.empty() && payload[0] == static_cast<std::byte>(type);
+}
+
+// Partial: protobuf's own check of required fields would log.
+template <typename Proto>
+bool parse(std::span<const std::byte> payload, Proto& message) noexcept {
+  return message.ParsePartialFromArray(&payload[0] + 1, static_cast<int>(payload.size() - 1));
+}
+
+template <typename Proto, typename Message>
+std::size_t encode_with(PayloadType type, const Header& header, const Message& message,
+                        std::size_t size, Proto& reused, std::span<std::byte> payload) noexcept {
+  if (!valid(header) || !valid(message)) return 0;
+  put(header, reused.mutable_header());
+  put(message, reused);
+  return serialise(type, reused, size, payload);
+}
+
+template <typename Proto, typename Message>
+Verdict decode_with(PayloadType type, std::span<const std::byte> payload, std::size_t size,
+                    Proto& reused, Header& header, Message& message) noexcept {
+  if (!is(type, payload)) return Verdict::unexpected_type;
+  if (payload.size() != size || !parse(payload, reused) || !reused.IsInitialized() ||
+      !get(reused, message))
+    return Verdict::malformed;
+  header = get(reused.header());
+  return valid(header) && valid(message) ? Verdict::accepted : Verdict::malformed;
+}
+
+}  // namespace
+
+bool valid(const MasterToSlave& m) noexcept {
+  return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
+         std::isfinite(m.energy_in) && std::isfinite(m.energy_out);
+}
+
+bool valid(const SlaveToMaster& m) noexcept {
+  return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && m.F_E_M.force.allFinite() &&
+         m.F_E_M.torque.allFinite() && in_range(m.mode) && std::isfinite(m.energy_in) &&
+         std::isfinite(m.energy_out);
+}
+
+bool valid(const Header& h) noexcept {
+  return h.session != 0 && h.sequence != 0 && h.sent <= kMaxStamp && h.echo_sent <= kMaxStamp &&
+         h.echo_hold <= kMaxStamp;
+}
+
+struct Codec::Messages {
+  proto::Hello hello;
+  proto::MasterToSlave master_to_slave;
+  proto::SlaveToMaster slave_to_master;
+};
+
+// One round through both messages leaves every array and sub-message with room for the next.
+Codec::Codec() : messages_(std::make_unique<Messages>()) {
+  std::array<std::byte, kMaxPayloadBytes> payload{};
+  Header header{.session = 1, .sequence = 1};
+  MasterToSlave down;
+  SlaveToMaster up;
+  decode(std::span(payload).first(encode(header, down, payload)), header, down);
+  decode(std::span(payload).first(encode(header, up, payload)), header, up);
+}
+
+Codec::~Codec() = default;
+
+std::size_t Codec::encode(const Hello& hello, std::span<std::byte> payload) noexcept {
+  if (hello.session == 0 || hello.role > Role::slave) return 0;
+  put(hello, messages_->hello);
+  return serialise(PayloadType::hello, messages_->hello, kHelloBytes, payload);
+}
+
+std::size_t Codec::encode(const Header& header, const MasterToSlave& message,
+                          std::span<std::byte> payload) noexcept {
+  return encode_with(PayloadType::master_to_slave, header, message, kMasterToSlaveBytes,
+                     messages_->master_to_slave, payload);
+}
+
+std::size_t Codec::encode(const Header& header, const SlaveToMaster& message,
+                          std::span<std::byte> payload) noexcept {
+  return encode_with(PayloadType::slave_to_master, header, message, kSlaveToMasterBytes,
+                     messages_->slave_to_master, payload);
+}
+
+Verdict Codec::decode(std::span<const std::byte> payload, Hello& hello) noexcept {
+  if (!is(PayloadType::hello, payload)) return Verdict::unexpected_type;
+  proto::Hello& from = messages_->hello;
+  if (!parse(payload, from) || !from.has_protocol_version()) return Verdict::malformed;
+  hello = {.protocol_version = from.protocol_version()};
+  if (hello.protocol_version != kProtocolVersion) return Verdict::wrong_version;
+  if (payload.size() != kHelloBytes || !from.IsInitialized() || from.session() == 0)
+    return Verdict::malformed;
+  hello.role = static_cast<Role>(from.role());
+  hello.session = from.session();
+  hello.scene_hash = from.scene_hash();
+  hello.capabilities = from.capabilities();
+  return Verdict::accepted;
+}
+
+Verdict Codec::decode(std::span<const std::byte> payload, Header& header,
+                      MasterToSlave& message) noexcept {
+  return decode_with(PayloadType::master_to_slave, payload, kMasterToSlaveBytes,
+                     messages_->master_to_slave, header, message);
+}
+
+Verdict Codec::decode(std::span<const std::byte> payload, Header& header,
+                      SlaveToMaster& message) noexcept {
+  return decode_with(PayloadType::slave_to_master, payload, kSlaveToMasterBytes,
+                     messages_->slave_to_master, header, message);
+}
+
+}  // namespace farhand

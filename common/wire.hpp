@@ -1,0 +1,119 @@
+// The protocol in one place: what the two sides tell each other as plain values, and every number
+// both must agree on. proto/wire.proto gives the bytes of a message, common/channel.hpp the frame.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/geometry.hpp"
+#include "common/mode.hpp"
+
+namespace farhand {
+
+inline constexpr std::uint32_t kProtocolVersion =
+    1;                                               // changes with any byte below or in wire.proto
+inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian like every number
+inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
+inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
+inline constexpr std::size_t kChannelTrailerBytes = 4;  // CRC-32C of all before it
+inline constexpr std::size_t kMaxPayloadBytes =
+    kMaxDatagramBytes - kChannelHeaderBytes - kChannelTrailerBytes;
+
+// Payload sizes, type byte included. A payload of another size is refused.
+inline constexpr std::size_t kHelloBytes = 31;
+inline constexpr std::size_t kMasterToSlaveBytes = 214;
+inline constexpr std::size_t kSlaveToMasterBytes = 272;
+
+inline constexpr double kQuaternionTolerance = 1e-6;  // on the norm
+inline constexpr std::uint64_t kMaxStamp = std::uint64_t{1}
+                                           << 60;  // [ns], 36 years: sums cannot overflow
+
+// First byte of a payload.
+enum class PayloadType : std::uint8_t { hello = 1, master_to_slave = 2, slave_to_master = 3 };
+
+enum class Role : std::uint8_t { master, slave };
+
+// Bits of Hello::capabilities.
+inline constexpr std::uint32_t kForceWanted = 1;  // the master has a use for the slave's wrench
+
+struct Hello {
+  std::uint32_t protocol_version = kProtocolVersion;
+  Role role = Role::master;
+  std::uint64_t session = 0;  // random at each start, not 0
+  std::uint64_t scene_hash = 0;
+  std::uint32_t capabilities = 0;
+};
+
+// In front of every message. Stamps are the sender's monotonic clock in ns, at most kMaxStamp.
+struct Header {
+  std::uint64_t session = 0;       // the sender's
+  std::uint64_t peer_session = 0;  // the one it answers
+  std::uint64_t sequence = 0;      // from 1
+  std::uint64_t sent = 0;
+  std::uint64_t echo_sequence = 0;  // newest one received from the peer; 0: none yet
+  std::uint64_t echo_sent = 0;      // its stamp, on the peer's clock
+  std::uint64_t echo_hold = 0;      // from its arrival to `sent`
+};
+
+// Absolute state and cumulative counts only, so that a lost datagram costs nothing but age.
+struct MasterToSlave {
+  Vec3 p_MH = Vec3::Zero();      // [m]
+  Quat q_MH = Quat::Identity();  // unit to kQuaternionTolerance
+  Twist V_MH;                    // of H relative to M, at H, M axes
+  Mode mode = Mode::idle;
+  bool dead_man = false;               // held right now
+  bool clutch = false;                 // held right now
+  bool force_wanted = false;           // send me the wrench
+  std::uint32_t dead_man_presses = 0;  // edges since the session began: none is missed by a loss
+  std::uint32_t clutch_presses = 0;
+  double energy_in = 0;  // [J] cumulative, from this port into the network (reserved for passivity)
+  double energy_out = 0;  // [J] cumulative, out of the network at this port
+};
+
+struct SlaveToMaster {
+  Vec3 p_SE = Vec3::Zero();      // [m]
+  Quat q_SE = Quat::Identity();  // unit to kQuaternionTolerance
+  Twist V_SE;                    // of E relative to S, at E, S axes
+  Wrench F_E_M;                  // robot on environment at E, mapped into M axes and scaled
+  Mode mode = Mode::idle;
+  bool coupled = false;      // the robot follows the handle right now
+  std::uint32_t limits = 0;  // bit set: what holds the robot back (the slave names the bits)
+  std::uint32_t dead_man_presses_seen = 0;  // counts acted upon: the receipt for the master's edges
+  std::uint32_t clutch_presses_seen = 0;
+  std::uint32_t stops = 0;  // times the slave stopped by itself since the session began
+  double energy_in = 0;     // [J] as above, at the slave's port
+  double energy_out = 0;
+};
+
+// What became of a received datagram, in the order of the checks.
+enum class Verdict : std::uint8_t {
+  accepted,
+  too_short,        // no room for a frame with a payload
+  too_long,         // above kMaxDatagramBytes
+  bad_magic,        // not ours
+  bad_length,       // cut off or extended
+  bad_checksum,     // changed on the way
+  unexpected_type,  // no such payload
+  wrong_role,       // from a side like ourselves
+  malformed,        // size, missing field, array length, not finite, not a rotation, unknown value
+  wrong_version,    // hello of another protocol version
+  wrong_scene,      // hello of a peer started with another scene
+  foreign_session,  // not, or no longer, the session of our peer
+  other_recipient,  // from our peer, answering a session that is not ours
+  bad_echo,         // echoes what we have not sent
+  duplicate,        // seen before
+  older,            // a newer one is here already
+};
+inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::older) + 1;
+
+constexpr const char* to_string(Verdict v) noexcept {
+  constexpr std::array<const char*, kVerdicts> kNames = {
+      "accepted",        "too short",     "too long",        "bad magic",
+      "bad length",      "bad checksum",  "unexpected type", "wrong role",
+      "malformed",       "wrong version", "wrong scene",     "foreign session",
+      "other recipient", "bad echo",      "duplicate",       "older"};
+  return kNames[static_cast<std::size_t>(v)];
+}
+
+}  // namespace farhand

@@ -1,0 +1,86 @@
+// Messages with random contents, for the tests of the wire.
+#pragma once
+
+#include "common/random.hpp"
+#include "common/wire.hpp"
+
+namespace farhand {
+
+inline Vec3 random_vector(Random& random) {
+  const double x = random.normal(), y = random.normal(), z = random.normal();
+  return {x, y, z};
+}
+
+inline Quat random_rotation(Random& random) {
+  const double w = random.normal(), x = random.normal(), y = random.normal(), z = random.normal();
+  return Quat(w, x, y, z).normalized();
+}
+
+inline Twist random_twist(Random& random) {
+  const Vec3 angular = random_vector(random), linear = random_vector(random);
+  return {angular, linear};
+}
+
+inline bool random_bool(Random& random) {
+  return random.uniform() < 0.5;
+}
+
+inline std::uint32_t random_count(Random& random) {
+  return static_cast<std::uint32_t>(random.bits());
+}
+
+inline Mode random_mode(Random& random) {
+  return static_cast<Mode>(random.bits() % 4);
+}
+
+inline void randomise(Random& random, MasterToSlave& m) {
+  m.p_MH = random_vector(random);
+  m.q_MH = random_rotation(random);
+  m.V_MH = random_twist(random);
+  m.mode = random_mode(random);
+  m.dead_man = random_bool(random);
+  m.clutch = random_bool(random);
+  m.force_wanted = random_bool(random);
+  m.dead_man_presses = random_count(random);
+  m.clutch_presses = random_count(random);
+  m.energy_in = random.normal();
+  m.energy_out = random.normal();
+}
+
+inline void randomise(Random& random, SlaveToMaster& m) {
+  m.p_SE = random_vector(random);
+  m.q_SE = random_rotation(random);
+  m.V_SE = random_twist(random);
+  m.F_E_M.force = random_vector(random);
+  m.F_E_M.torque = random_vector(random);
+  m.mode = random_mode(random);
+  m.coupled = random_bool(random);
+  m.limits = random_count(random);
+  m.dead_man_presses_seen = random_count(random);
+  m.clutch_presses_seen = random_count(random);
+  m.stops = random_count(random);
+  m.energy_in = random.normal();
+  m.energy_out = random.normal();
+}
+
+// To the last bit.
+inline bool same(const Twist& a, const Twist& b) {
+  return a.angular == b.angular && a.linear == b.linear;
+}
+inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
+  return a.p_MH == b.p_MH && a.q_MH.coeffs() == b.q_MH.coeffs() && same(a.V_MH, b.V_MH) &&
+         a.mode == b.mode && a.dead_man == b.dead_man && a.clutch == b.clutch &&
+         a.force_wanted == b.force_wanted && a.dead_man_presses == b.dead_man_presses &&
+         a.clutch_presses == b.clutch_presses && a.energy_in == b.energy_in &&
+         a.energy_out == b.energy_out;
+}
+inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
+  return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
+         a.F_E_M.force == b.F_E_M.force && a.F_E_M.torque == b.F_E_M.torque && a.mode == b.mode &&
+         a.coupled == b.coupled && a.limits == b.limits &&
+         a.dead_man_presses_seen == b.dead_man_presses_seen &&
+         a.clutch_presses_seen == b.clutch_presses_seen && a.stops == b.stops &&
+         a.energy_in == b.energy_in && a.energy_out == b.energy_out;
+}
+
+}  // namespace farhand
