@@ -11,8 +11,8 @@ double us(Duration d) {
 
 std::string row(const char* name, const Histogram& h) {
   if (h.count() == 0) return {};
-  return fmt::format("  {:<22}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", name, us(h.quantile(0.5)), us(h.quantile(0.99)),
-                     us(h.quantile(0.999)), us(h.max()));
+  return fmt::format("  {:<22}{:>10.1f}{:>10.1f}{:>10.1f}{:>10.1f}\n", name, us(h.quantile(0.5)),
+                     us(h.quantile(0.99)), us(h.quantile(0.999)), us(h.max()));
 }
 
 }  // namespace
@@ -32,7 +32,8 @@ void LoopReport::add(const LoopTiming& t, const LinkStatus& status) noexcept {
 }
 
 std::string LoopReport::table() const {
-  std::string out = fmt::format("  {:<22}{:>10}{:>10}{:>10}{:>10}\n", "time [us]", "median", "99 %", "99.9 %", "worst");
+  std::string out = fmt::format("  {:<22}{:>10}{:>10}{:>10}{:>10}\n", "time [us]", "median", "99 %",
+                                "99.9 %", "worst");
   out += row("woken late", woken_late);
   out += row("read device", read);
   out += row("compute tick", compute);
@@ -40,10 +41,11 @@ std::string LoopReport::table() const {
   out += row("write device", write);
   out += row("busy, whole tick", busy);
   out += row("round trip", round_trip);
-  out += fmt::format("  overruns {} (late by our own CPU time {:.1f} us, by the machine {:.1f} us in all)\n", overruns,
-                     us(overrun_own), us(overrun_machine));
-  out += fmt::format("  datagrams received {}, dropped {}, lost {}, reordered {}, not sent {}\n", last.received,
-                     last.dropped, last.lost, last.reordered, last.not_sent);
+  out += fmt::format(
+      "  overruns {} (late by our own CPU time {:.1f} us, by the machine {:.1f} us in all)\n",
+      overruns, us(overrun_own), us(overrun_machine));
+  out += fmt::format("  datagrams received {}, dropped {}, lost {}, reordered {}, not sent {}\n",
+                     last.received, last.dropped, last.lost, last.reordered, last.not_sent);
   return out;
 }
 
@@ -52,11 +54,14 @@ std::string refusal_sentence(const PeerRefusal& refusal, std::uint64_t own_scene
     case PeerRefusal::Reason::none:
       return {};
     case PeerRefusal::Reason::version:
-      return fmt::format("the partner speaks protocol version {}, this program {}: install the same version on both sides",
-                         refusal.peer_version, kProtocolVersion);
+      return fmt::format(
+          "the partner speaks protocol version {}, this program {}: install the same version on "
+          "both sides",
+          refusal.peer_version, kProtocolVersion);
     case PeerRefusal::Reason::scene:
       return fmt::format(
-          "the partner runs another scene (shared part {:016x}, here {:016x}): start both sides with the same file",
+          "the partner runs another scene (shared part {:016x}, here {:016x}): start both sides "
+          "with the same file",
           refusal.peer_scene_hash, own_scene_hash);
   }
   return {};

@@ -1,5 +1,5 @@
-// What a real-time loop tells of itself: time by stage, overruns and whose they were, and the link. Fed from the recorder's
-// thread, printed at the end and in the live status line.
+// What a real-time loop tells of itself: time by stage, overruns and whose they were, and the link.
+// Fed from the recorder's thread, printed at the end and in the live status line.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What a tick is told of the other side: the newest message and how much it can still be trusted. Filled by the shell from
-// the link, so that the tick knows no clock but `now` and no socket.
+// What a tick is told of the other side: the newest message and how much it can still be trusted.
+// Filled by the shell from the link, so that the tick knows no clock but `now` and no socket.
 #pragma once
 
 #include "common/time.hpp"
@@ -8,12 +8,13 @@ namespace farhand {
 
 template <typename Message>
 struct Peer {
-  const Message* newest = nullptr;     // nullptr: none since the connection began
-  bool connected = false;              // heard within link.lost_ms
-  Duration age = Duration::max();      // since the newest arrived, on our clock
+  const Message* newest = nullptr;  // nullptr: none since the connection began
+  bool connected = false;           // heard within link.lost_ms
+  Duration age = Duration::max();   // since the newest arrived, on our clock
 };
 
-// As the link sees it at `now`; silence beyond `lost` ends the connection. `link` is a Link<Out, Message>.
+// As the link sees it at `now`; silence beyond `lost` ends the connection. `link` is a Link<Out,
+// Message>.
 template <typename Message, typename AnyLink>
 Peer<Message> peer(const AnyLink& link, TimePoint now, Duration lost) noexcept {
   const auto* newest = link.newest();

@@ -1,7 +1,7 @@
 #include "common/program.hpp"
 
-#include <spdlog/spdlog.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -17,7 +17,8 @@ void add_options(CLI::App& app, ProgramOptions& options, bool is_master) {
   app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   app.add_flag("--check", options.check, "check the scene and exit");
   app.add_flag("--quiet", options.quiet, "no live status line");
-  app.add_option("--duration", options.duration_s, "stop after so many seconds")->check(CLI::Range(0.001, 1e7));
+  app.add_option("--duration", options.duration_s, "stop after so many seconds")
+      ->check(CLI::Range(0.001, 1e7));
   app.add_option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
   app.add_option("--slave", options.slave, "host:port of the slave, instead of the scene's");
@@ -68,7 +69,8 @@ bool print_only(const ProgramOptions& options, const Scene& scene, const Stages&
 
 void require_slave(const Scene& scene) {
   if (!scene.proto.has_slave())
-    throw std::runtime_error(scene.path + " has no slave: run it with farhand-master or farhand-loopback alone");
+    throw std::runtime_error(scene.path +
+                             " has no slave: run it with farhand-master or farhand-loopback alone");
 }
 
 void announce(const std::string& name, const Scene& scene, const std::string& where) {

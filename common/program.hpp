@@ -1,4 +1,5 @@
-// What the programs have in common outside their loops: arguments, --plan and --check, errors as one sentence, warnings.
+// What the programs have in common outside their loops: arguments, --plan and --check, errors as
+// one sentence, warnings.
 #pragma once
 
 #include <cstdint>
@@ -19,17 +20,19 @@ struct ProgramOptions {
   std::string scene;
   bool plan = false;
   bool check = false;
-  bool quiet = false;                  // no live status line
-  double duration_s = 0;               // 0: until stopped
-  std::optional<std::string> listen;   // host:port instead of the scene's
-  std::optional<std::string> slave;    // master only
-  std::optional<std::string> trace;    // motion of the simulated hand; master only
+  bool quiet = false;                 // no live status line
+  double duration_s = 0;              // 0: until stopped
+  std::optional<std::string> listen;  // host:port instead of the scene's
+  std::optional<std::string> slave;   // master only
+  std::optional<std::string> trace;   // motion of the simulated hand; master only
 
-  Duration limit() const noexcept { return duration_s > 0 ? from_seconds(duration_s) : std::chrono::hours(24 * 365); }
+  Duration limit() const noexcept {
+    return duration_s > 0 ? from_seconds(duration_s) : std::chrono::hours(24 * 365);
+  }
 };
 
-// Parses the arguments, runs `body`, and turns what it throws into one line on stderr. Exit status: what body returns, 1 after an
-// error, 2 for arguments that make no sense.
+// Parses the arguments, runs `body`, and turns what it throws into one line on stderr. Exit status:
+// what body returns, 1 after an error, 2 for arguments that make no sense.
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
                 const std::function<int(const ProgramOptions&)>& body);
 

@@ -47,12 +47,14 @@ void sleep_until(TimePoint until) noexcept {
 std::vector<std::string> enter_realtime(int priority) {
   std::vector<std::string> refused;
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
-    refused.push_back(std::string("memory is not locked (") + std::strerror(errno) +
-                      "): page faults may delay ticks; raise the memlock limit or run with CAP_IPC_LOCK");
+    refused.push_back(
+        std::string("memory is not locked (") + std::strerror(errno) +
+        "): page faults may delay ticks; raise the memlock limit or run with CAP_IPC_LOCK");
   const sched_param param{.sched_priority = priority};
   if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param); error != 0)
-    refused.push_back(std::string("no real-time scheduling (") + std::strerror(error) +
-                      "): other programs may delay ticks; raise the rtprio limit or run with CAP_SYS_NICE");
+    refused.push_back(
+        std::string("no real-time scheduling (") + std::strerror(error) +
+        "): other programs may delay ticks; raise the rtprio limit or run with CAP_SYS_NICE");
   return refused;
 }
 

@@ -1,5 +1,5 @@
-// The operating system as the loops need it: a monotonic clock, sleep to an absolute instant, real-time scheduling, an orderly
-// end, and whose fault an overrun was.
+// The operating system as the loops need it: a monotonic clock, sleep to an absolute instant,
+// real-time scheduling, an orderly end, and whose fault an overrun was.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@ TimePoint monotonic_now() noexcept;
 // Returns at once when `until` has passed. Interrupted by a signal, returns early.
 void sleep_until(TimePoint until) noexcept;
 
-// Memory locked, SCHED_FIFO at `priority` for the calling thread. What was refused comes back as sentences with the remedy: the
-// program goes on without, at the price of jitter.
+// Memory locked, SCHED_FIFO at `priority` for the calling thread. What was refused comes back as
+// sentences with the remedy: the program goes on without, at the price of jitter.
 std::vector<std::string> enter_realtime(int priority);
 
 // SIGINT and SIGTERM ask for an orderly end instead of killing the process.
 void catch_stop_signals() noexcept;
 bool stop_requested() noexcept;
 
-// Splits the time a late tick took into the processor time it used itself and the time the machine withheld from it. Reading the
-// thread's processor clock is a system call, so it is read only after an overrun: what all ticks since the last reading were
-// busy, less the processor time in between, is what was withheld, and on-time ticks are hardly withheld anything.
+// Splits the time a late tick took into the processor time it used itself and the time the machine
+// withheld from it. Reading the thread's processor clock is a system call, so it is read only after
+// an overrun: what all ticks since the last reading were busy, less the processor time in between,
+// is what was withheld, and on-time ticks are hardly withheld anything.
 class OverrunSplit {
  public:
   struct Shares {
@@ -34,7 +35,8 @@ class OverrunSplit {
   OverrunSplit() noexcept;
   // After each tick: how long it was busy, waiting and sleeping not counted.
   void busy(Duration time) noexcept { busy_ += time; }
-  // After a tick that ended late: `late` after its deadline, of which `woken_late` were lost before it began.
+  // After a tick that ended late: `late` after its deadline, of which `woken_late` were lost before
+  // it began.
   Shares split(Duration late, Duration woken_late) noexcept;
 
  private:

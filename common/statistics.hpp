@@ -21,7 +21,9 @@ struct Rms {
     sum_squares += x * x;
     peak = std::max(peak, std::abs(x));
   }
-  double value() const noexcept { return count > 0 ? std::sqrt(sum_squares / static_cast<double>(count)) : 0; }
+  double value() const noexcept {
+    return count > 0 ? std::sqrt(sum_squares / static_cast<double>(count)) : 0;
+  }
 };
 
 }  // namespace farhand

@@ -1,4 +1,5 @@
-// The live line of a running program: once a second, overwritten in place on a terminal, a line of its own elsewhere.
+// The live line of a running program: once a second, overwritten in place on a terminal, a line of
+// its own elsewhere.
 #pragma once
 
 #include <string>

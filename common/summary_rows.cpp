@@ -17,11 +17,14 @@ std::string limit_row(const LimitCounts& limits) {
   std::string out;
   for (int bit = 0; bit < kLimitCount; ++bit)
     if (limits.ticks[bit] > 0) out += fmt::format(", {} {}", limit_name(bit), limits.ticks[bit]);
-  return out.empty() ? "  limits acted in no tick\n" : "  limits acted (ticks): " + out.substr(2) + "\n";
+  return out.empty() ? "  limits acted in no tick\n"
+                     : "  limits acted (ticks): " + out.substr(2) + "\n";
 }
 
 std::string lost_records_row(std::uint64_t lost) {
-  return lost == 0 ? std::string{} : fmt::format("  records lost {}: the disk or the terminal was too slow\n", lost);
+  return lost == 0
+             ? std::string{}
+             : fmt::format("  records lost {}: the disk or the terminal was too slow\n", lost);
 }
 
 }  // namespace farhand

@@ -15,9 +15,10 @@ namespace farhand {
 MasterConfig master_config(const proto::Scene& scene);
 MasterLoopConfig master_loop_config(const proto::Scene& scene);
 
-// `trace` replaces the simulated hand's motion by a recorded one. Throws a sentence if the scene has no hand for it or the file is
-// no good.
-AnyDevice make_device(const Scene& scene, const std::optional<std::string>& trace, std::uint64_t seed);
+// `trace` replaces the simulated hand's motion by a recorded one. Throws a sentence if the scene
+// has no hand for it or the file is no good.
+AnyDevice make_device(const Scene& scene, const std::optional<std::string>& trace,
+                      std::uint64_t seed);
 
 // One line per stage the master will run, in order.
 std::vector<std::string> master_stages(const proto::Scene& scene);

@@ -1,4 +1,5 @@
-// What a late or missing wrench becomes. For now the plainest rule: hold it for a while, then let it fade.
+// What a late or missing wrench becomes. For now the plainest rule: hold it for a while, then let
+// it fade.
 #pragma once
 
 #include <algorithm>

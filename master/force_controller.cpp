@@ -4,7 +4,8 @@
 
 namespace farhand {
 
-const Wrench& ForceController::step(const Wrench& F_env_G, const Wrench* F_user_G, LimitSet& set) noexcept {
+const Wrench& ForceController::step(const Wrench& F_env_G, const Wrench* F_user_G,
+                                    LimitSet& set) noexcept {
   // Without gains the user's wrench drops out of the law: open loop.
   const Wrench F_user = F_user_G != nullptr ? *F_user_G : F_env_G;
   F_G_ = limit_wrench(config_.limits, force_law(F_user, F_env_G, {}), F_G_, set);

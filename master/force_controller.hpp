@@ -1,6 +1,6 @@
-// From the environment's wrench to what the handle does to the hand. Open-loop reflection, tau_m = -J_h^-T F_e (twin-delta
-// publication eq. 41 with K_h = 0, reference section 9.1); the user's wrench, where the handle senses it, is handed in already
-// for the closed loop.
+// From the environment's wrench to what the handle does to the hand. Open-loop reflection, tau_m =
+// -J_h^-T F_e (twin-delta publication eq. 41 with K_h = 0, reference section 9.1); the user's
+// wrench, where the handle senses it, is handed in already for the closed loop.
 #pragma once
 
 #include "common/limits.hpp"
@@ -15,8 +15,9 @@ class ForceController {
  public:
   explicit ForceController(const ForceControllerConfig& config) noexcept : config_(config) {}
 
-  // F_env_G: robot on environment, at H in handle axes; F_user_G: user on handle, or nullptr without a force sensor. Returns the
-  // wrench of the handle on the hand, limited: at rest F_user = F_env.
+  // F_env_G: robot on environment, at H in handle axes; F_user_G: user on handle, or nullptr
+  // without a force sensor. Returns the wrench of the handle on the hand, limited: at rest F_user =
+  // F_env.
   const Wrench& step(const Wrench& F_env_G, const Wrench* F_user_G, LimitSet& set) noexcept;
 
  private:

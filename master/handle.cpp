@@ -5,13 +5,15 @@
 namespace farhand {
 
 HandlePose FalconHandle::pose(const Vec6& theta) noexcept {
-  at = at.status == Status::ok ? forward(geometry, theta.head<3>(), at.p_MH) : forward(geometry, theta.head<3>());
+  at = at.status == Status::ok ? forward(geometry, theta.head<3>(), at.p_MH)
+                               : forward(geometry, theta.head<3>());
   return {.status = at.status, .X_MH = {Mat3::Identity(), at.p_MH}};
 }
 
 MotorTorques FalconHandle::torque(const Wrench& F_G) const noexcept {
   const FalconJacobian J = jacobian(geometry, at);
-  if (!accepted(geometry, J)) return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
+  if (!accepted(geometry, J))
+    return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
   MotorTorques out{.status = Status::ok};
   out.tau.head<3>() = farhand::torque(J, F_G.force);
   return out;
@@ -28,7 +30,8 @@ HandlePose TwinDeltaHandle::pose(const Vec6& theta) noexcept {
 
 MotorTorques TwinDeltaHandle::torque(const Wrench& F_G) const noexcept {
   const TwinDeltaJacobian J = jacobian(geometry, at, R_MG);
-  if (!accepted(geometry, J)) return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
+  if (!accepted(geometry, J))
+    return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
   return {.status = Status::ok, .tau = farhand::torque(J, F_G)};
 }
 
@@ -37,7 +40,8 @@ HandleVelocity::HandleVelocity(double cutoff_hz, double Ts) noexcept
 
 const Twist& HandleVelocity::step(const Pose& X_MH) noexcept {
   if (!primed_) last_ = X_MH, V_MH_ = {}, primed_ = true;
-  // Between two samples the turn is small: the skew part of the difference is its rotation vector to third order.
+  // Between two samples the turn is small: the skew part of the difference is its rotation vector
+  // to third order.
   const Mat3 dR = X_MH.R * last_.R.transpose();
   const Vec3 turn(dR(2, 1) - dR(1, 2), dR(0, 2) - dR(2, 0), dR(1, 0) - dR(0, 1));
   V_MH_.linear += gain_per_Ts_ * (X_MH.p - last_.p) - gain_ * V_MH_.linear;

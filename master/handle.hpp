@@ -1,5 +1,5 @@
-// The two mechanisms behind one surface: motor angles to handle pose and velocity, handle wrench to motor torques. A closed
-// variant; a third handle is one more struct with the same members.
+// The two mechanisms behind one surface: motor angles to handle pose and velocity, handle wrench to
+// motor torques. A closed variant; a third handle is one more struct with the same members.
 #pragma once
 
 #include <variant>
@@ -13,13 +13,14 @@ namespace farhand {
 
 struct HandlePose {
   Status status = Status::not_finite;
-  Pose X_MH;                        // twist included
-  Mat3 R_MG = Mat3::Identity();     // handle axes without twist: where wrenches are felt
+  Pose X_MH;                     // twist included
+  Mat3 R_MG = Mat3::Identity();  // handle axes without twist: where wrenches are felt
 };
 
 struct MotorTorques {
-  Status status = Status::not_finite;  // out_of_limits: outside the accepted workspace; tau is zero unless ok
-  Vec6 tau = Vec6::Zero();             // [N m]; a Falcon uses the first three
+  Status status =
+      Status::not_finite;   // out_of_limits: outside the accepted workspace; tau is zero unless ok
+  Vec6 tau = Vec6::Zero();  // [N m]; a Falcon uses the first three
 };
 
 // Translates only: H, G and M have the same axes, and torques of a wrench are ignored.
@@ -34,7 +35,8 @@ struct FalconHandle {
 struct TwinDeltaHandle {
   TwinDeltaGeometry geometry;
   TwinDeltaForward at;
-  Mat3 R_MG = Mat3::Identity();  // of the last sample: its x_h is kept where the handle lies along X
+  Mat3 R_MG =
+      Mat3::Identity();  // of the last sample: its x_h is kept where the handle lies along X
 
   HandlePose pose(const Vec6& theta) noexcept;
   MotorTorques torque(const Wrench& F_G) const noexcept;
@@ -46,7 +48,8 @@ using Handle = std::variant<FalconHandle, TwinDeltaHandle>;
 inline HandlePose pose(Handle& handle, const Vec6& theta) noexcept {
   return std::visit([&](auto& h) { return h.pose(theta); }, handle);
 }
-// Motor torques with which the handle, where pose() saw it last, pushes the hand with F_G (at H, axes of G).
+// Motor torques with which the handle, where pose() saw it last, pushes the hand with F_G (at H,
+// axes of G).
 inline MotorTorques torque(const Handle& handle, const Wrench& F_G) noexcept {
   return std::visit([&](const auto& h) { return h.torque(F_G); }, handle);
 }

@@ -4,9 +4,15 @@
 
 namespace farhand {
 
-MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
-                       UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept
-    : config_(config), master_(master), device_(device), link_(link), socket_(socket), recorder_(recorder) {}
+MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device,
+                       MasterLink* link, UdpSocket* socket,
+                       Recorder<MasterRecord>& recorder) noexcept
+    : config_(config),
+      master_(master),
+      device_(device),
+      link_(link),
+      socket_(socket),
+      recorder_(recorder) {}
 
 void MasterLoop::run(Duration limit) noexcept {
   next_ = monotonic_now() + config_.period;
@@ -49,7 +55,8 @@ void MasterLoop::turn() noexcept {
   finish(end, end - begin - timing.wait);
 }
 
-// Overruns are judged against the next period's begin; periods that were missed altogether are left out, not made up.
+// Overruns are judged against the next period's begin; periods that were missed altogether are left
+// out, not made up.
 void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
   LoopTiming& timing = record_.timing;
   split_.busy(busy);

@@ -29,11 +29,13 @@ struct MasterLoopConfig {
 
 class MasterLoop {
  public:
-  // Everything is borrowed and must outlive the loop; socket and link are nullptr for a scene without a slave.
-  MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link, UdpSocket* socket,
-             Recorder<MasterRecord>& recorder) noexcept;
+  // Everything is borrowed and must outlive the loop; socket and link are nullptr for a scene
+  // without a slave.
+  MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
+             UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept;
 
-  // Turns until a stop is requested or `limit` has passed; then lets the force fade, tells the slave, and leaves the motors at zero torque.
+  // Turns until a stop is requested or `limit` has passed; then lets the force fade, tells the
+  // slave, and leaves the motors at zero torque.
   void run(Duration limit) noexcept;
 
   // One period: wait for its begin, sample, send, wait for the answer, actuate, write.

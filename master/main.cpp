@@ -8,29 +8,36 @@
 
 int main(int argc, char** argv) {
   using namespace farhand;
-  return run_program(argc, argv, "farhand-master", "the operator's side of a teleoperation", [](const ProgramOptions& options) {
-    const Scene scene = load_scene(options.scene);
-    if (print_only(options, scene, {{"master", master_stages(scene.proto)}})) return 0;
+  return run_program(
+      argc, argv, "farhand-master", "the operator's side of a teleoperation",
+      [](const ProgramOptions& options) {
+        const Scene scene = load_scene(options.scene);
+        if (print_only(options, scene, {{"master", master_stages(scene.proto)}})) return 0;
 
-    Master master(master_config(scene.proto));
-    AnyDevice device = make_device(scene, options.trace, scene.proto.seed());
-    std::optional<MasterLink> link;
-    std::optional<UdpSocket> socket;
-    if (scene.proto.has_slave()) {
-      const auto capabilities = master.config().force_feedback ? kForceWanted : 0u;
-      link.emplace(LinkConfig{.session = random_session(), .scene_hash = scene.shared_hash, .capabilities = capabilities});
-      socket.emplace(parse_udp_address(options.listen.value_or(scene.proto.link().master_address())),
-                     parse_udp_address(options.slave.value_or(scene.proto.link().slave_address())));
-    }
-    MasterStatus status(scene.shared_hash, options.quiet);
-    Recorder<MasterRecord> recorder([&](const MasterRecord& r) { status.add(r); });
+        Master master(master_config(scene.proto));
+        AnyDevice device = make_device(scene, options.trace, scene.proto.seed());
+        std::optional<MasterLink> link;
+        std::optional<UdpSocket> socket;
+        if (scene.proto.has_slave()) {
+          const auto capabilities = master.config().force_feedback ? kForceWanted : 0u;
+          link.emplace(LinkConfig{.session = random_session(),
+                                  .scene_hash = scene.shared_hash,
+                                  .capabilities = capabilities});
+          socket.emplace(
+              parse_udp_address(options.listen.value_or(scene.proto.link().master_address())),
+              parse_udp_address(options.slave.value_or(scene.proto.link().slave_address())));
+        }
+        MasterStatus status(scene.shared_hash, options.quiet);
+        Recorder<MasterRecord> recorder([&](const MasterRecord& r) { status.add(r); });
 
-    announce("farhand-master", scene, socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
-    warn_each(enter_realtime(kLoopPriority));
-    MasterLoop(master_loop_config(scene.proto), master, device, link ? &*link : nullptr, socket ? &*socket : nullptr, recorder)
-        .run(options.limit());
-    recorder.stop();
-    std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
-    return 0;
-  });
+        announce("farhand-master", scene,
+                 socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
+        warn_each(enter_realtime(kLoopPriority));
+        MasterLoop(master_loop_config(scene.proto), master, device, link ? &*link : nullptr,
+                   socket ? &*socket : nullptr, recorder)
+            .run(options.limit());
+        recorder.stop();
+        std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
+        return 0;
+      });
 }

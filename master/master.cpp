@@ -32,11 +32,12 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
 
 void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
   const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::idle;
-  tick_.mode = next_mode(tick_.mode, {.equipment_ok = tick_.reading.ok && tick_.handle.status == Status::ok,
-                                      .connected = slave.connected && slave.newest != nullptr,
-                                      .fresh = slave.age <= config_.stale,
-                                      .partner_able = other == Mode::ready || other == Mode::engaged,
-                                      .dead_man = tick_.reading.dead_man});
+  tick_.mode =
+      next_mode(tick_.mode, {.equipment_ok = tick_.reading.ok && tick_.handle.status == Status::ok,
+                             .connected = slave.connected && slave.newest != nullptr,
+                             .fresh = slave.age <= config_.stale,
+                             .partner_able = other == Mode::ready || other == Mode::engaged,
+                             .dead_man = tick_.reading.dead_man});
 }
 
 // Edges are counted so that the slave can tell a new press from one it missed the release of.
@@ -60,8 +61,9 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
     if (motors.status != Status::ok) tick_.limits |= kLimitAcceptance;
     tau = motors.tau;
   }
-  tick_.tau = limit_motor_torques(config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,
-                                  tau, tick_.tau, tick_.limits);
+  tick_.tau = limit_motor_torques(
+      config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,
+      tau, tick_.tau, tick_.limits);
   return tick_;
 }
 
@@ -69,7 +71,8 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 Wrench Master::wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
   if (position_) {
     Wrench F;
-    if (tick_.handle.status == Status::ok) F.force = position_->step(now, tick_.handle.X_MH.p, tick_.limits);
+    if (tick_.handle.status == Status::ok)
+      F.force = position_->step(now, tick_.handle.X_MH.p, tick_.limits);
     tick_.p_MH_target = position_->target();
     return F;
   }
@@ -77,7 +80,8 @@ Wrench Master::wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) no
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};
-  return force_->step(tick_.F_env_G, tick_.reading.has_force ? &tick_.reading.F_user_G : nullptr, tick_.limits);
+  return force_->step(tick_.F_env_G, tick_.reading.has_force ? &tick_.reading.F_user_G : nullptr,
+                      tick_.limits);
 }
 
 }  // namespace farhand

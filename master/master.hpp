@@ -1,6 +1,7 @@
-// The master's tick, in two halves: sample() when the period begins, actuate() when the slave's answer to it is there or a
-// cut-off has passed. So motion becomes force within one round trip. Plain functions of (now, partner, reading, state); the shell
-// around them owns the clock, the socket and the device.
+// The master's tick, in two halves: sample() when the period begins, actuate() when the slave's
+// answer to it is there or a cut-off has passed. So motion becomes force within one round trip.
+// Plain functions of (now, partner, reading, state); the shell around them owns the clock, the
+// socket and the device.
 #pragma once
 
 #include <optional>
@@ -28,8 +29,9 @@ struct MasterConfig {
   Duration stale = std::chrono::milliseconds(20);  // an older answer ends the engagement
   Handle handle;
   double velocity_cutoff_hz = 60;
-  double max_motor_torque = 3;       // [N m]
-  double torque_rise_time_s = 0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
+  double max_motor_torque = 3;  // [N m]
+  double torque_rise_time_s =
+      0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
   std::optional<ForceFeedbackConfig> force_feedback;
   std::optional<PositionControlConfig> position_control;
 };
@@ -56,9 +58,11 @@ class Master {
   explicit Master(const MasterConfig& config);
 
   // Where the handle is, and what the slave shall know of it. Send the message at once.
-  const MasterToSlave& sample(TimePoint now, const HandleReading& reading, const Peer<SlaveToMaster>& slave) noexcept;
+  const MasterToSlave& sample(TimePoint now, const HandleReading& reading,
+                              const Peer<SlaveToMaster>& slave) noexcept;
 
-  // Motor torques for this period. Write tick.tau. The reference stays valid until the next sample().
+  // Motor torques for this period. Write tick.tau. The reference stays valid until the next
+  // sample().
   const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept;
 
   const MasterConfig& config() const noexcept { return config_; }

@@ -1,5 +1,5 @@
-// Drives the grip of a Falcon to set points: F = PID(r - p) + weight, one axis each (Falcon publication section on control,
-// reference section 4). The torques follow by virtual work.
+// Drives the grip of a Falcon to set points: F = PID(r - p) + weight, one axis each (Falcon
+// publication section on control, reference section 4). The torques follow by virtual work.
 #pragma once
 
 #include <array>
@@ -22,7 +22,8 @@ struct PositionControlConfig {
   double max_force = 8;                         // [N] on the sum
   double gravity_mass = 0.3;                    // [kg] whose weight is fed forward; 0: none
   Vec3 up_M = Vec3::UnitY();
-  std::vector<SetPoint> set_points;  // ordered in time; before the first, the grip is held where it was at the start
+  std::vector<SetPoint>
+      set_points;  // ordered in time; before the first, the grip is held where it was at the start
 };
 
 class PositionControl {

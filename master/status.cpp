@@ -11,7 +11,8 @@ namespace {
 std::string live_line(const MasterRecord& r, std::uint64_t overruns) {
   const Vec3 p = r.tick.handle.X_MH.p * 1e3;
   return fmt::format(
-      "{:<7} handle ({:6.1f} {:6.1f} {:6.1f}) mm  felt {:5.2f} N  round trip {:6.1f} us  overruns {}  dropped {}",
+      "{:<7} handle ({:6.1f} {:6.1f} {:6.1f}) mm  felt {:5.2f} N  round trip {:6.1f} us  overruns "
+      "{}  dropped {}",
       to_string(r.tick.mode), p.x(), p.y(), p.z(), r.tick.F_G.force.norm(),
       static_cast<double>(r.link.round_trip.count()) * 1e-3, overruns, r.link.dropped);
 }
@@ -21,17 +22,19 @@ std::string live_line(const MasterRecord& r, std::uint64_t overruns) {
 std::string summary_rows(const MasterSummary& s) {
   std::string out = mode_row(s.ticks, s.ticks_in_mode);
   if (s.force_free.count > 0)
-    out += fmt::format("  F_u - F_e free         {:8.3f} N rms   {:8.3f} N peak\n", s.force_free.value(),
-                       s.force_free.peak);
+    out += fmt::format("  F_u - F_e free         {:8.3f} N rms   {:8.3f} N peak\n",
+                       s.force_free.value(), s.force_free.peak);
   if (s.force_contact.count > 0)
-    out += fmt::format("  F_u - F_e in contact   {:8.3f} N rms   {:8.3f} N peak\n", s.force_contact.value(),
-                       s.force_contact.peak);
+    out += fmt::format("  F_u - F_e in contact   {:8.3f} N rms   {:8.3f} N peak\n",
+                       s.force_contact.value(), s.force_contact.peak);
   if (s.force_felt.count > 0)
-    out += fmt::format("  force on the hand      {:8.3f} N rms   {:8.3f} N peak\n", s.force_felt.value(),
-                       s.force_felt.peak);
+    out += fmt::format("  force on the hand      {:8.3f} N rms   {:8.3f} N peak\n",
+                       s.force_felt.value(), s.force_felt.peak);
   if (s.position_error.count > 0)
-    out += fmt::format("  position control       last off target by over 1.5 mm at {:.2f} s, peak force {:.2f} N\n",
-                       s.last_outside_s, s.peak_control_force);
+    out += fmt::format(
+        "  position control       last off target by over 1.5 mm at {:.2f} s, peak force {:.2f} "
+        "N\n",
+        s.last_outside_s, s.peak_control_force);
   return out + limit_row(s.limits);
 }
 

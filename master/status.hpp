@@ -1,4 +1,5 @@
-// Feeds on the master's records, off the loop: live line, warnings worth a sentence, and the final table.
+// Feeds on the master's records, off the loop: live line, warnings worth a sentence, and the final
+// table.
 #pragma once
 
 #include <string>

@@ -11,7 +11,8 @@ void MasterSummary::add(const MasterTick& t) noexcept {
   worst_age = std::max(worst_age, t.age);
   const bool touching = t.F_env_G.force.norm() > kContactForce;
   if (t.reading.has_force)
-    (touching ? force_contact : force_free).add((t.reading.F_user_G.force - t.F_env_G.force).norm());
+    (touching ? force_contact : force_free)
+        .add((t.reading.F_user_G.force - t.F_env_G.force).norm());
   force_felt.add(t.F_G.force.norm());
 }
 

@@ -1,4 +1,5 @@
-// What the master's end of a run is told by: what the hand felt against what the robot touched, and what held it back.
+// What the master's end of a run is told by: what the hand felt against what the robot touched, and
+// what held it back.
 #pragma once
 
 #include <array>
@@ -14,11 +15,12 @@ struct MasterSummary {
   std::array<std::uint64_t, 4> ticks_in_mode{};
   // User's force against the environment's, where the handle senses it, while engaged [N].
   Rms force_free, force_contact;
-  Rms force_felt;         // size of the force commanded on the hand [N]
-  Rms position_error;     // of position control [m]
-  double last_outside_s = 0;  // last time since the first tick at which any axis was off target by more than 1.5 mm
+  Rms force_felt;      // size of the force commanded on the hand [N]
+  Rms position_error;  // of position control [m]
+  double last_outside_s =
+      0;  // last time since the first tick at which any axis was off target by more than 1.5 mm
   double peak_control_force = 0;  // [N]
-  Duration worst_age{};   // of the wrench used while engaged
+  Duration worst_age{};           // of the wrench used while engaged
   LimitCounts limits;
 
   void add(const MasterTick& tick) noexcept;

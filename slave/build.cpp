@@ -41,9 +41,10 @@ Shape shape(const proto::Surface& s) {
       return Sphere{.centre = vec3(s.sphere().centre_m()), .radius = s.sphere().radius_m()};
     case proto::Surface::kBox: {
       const Vec3 half = 0.5 * vec3(s.box().size_m());
-      return Box{.X_SB = {rotation(Vec3(0, 0, radians(s.box().yaw_deg()))), vec3(s.box().centre_m())},
-                 .half_extents = half,
-                 .edge_radius = std::min(0.005, half.minCoeff())};
+      return Box{
+          .X_SB = {rotation(Vec3(0, 0, radians(s.box().yaw_deg()))), vec3(s.box().centre_m())},
+          .half_extents = half,
+          .edge_radius = std::min(0.005, half.minCoeff())};
     }
     case proto::Surface::kPlane:
     case proto::Surface::SHAPE_NOT_SET:
@@ -94,7 +95,8 @@ SlaveConfig slave_config(const proto::Scene& scene) {
 }
 
 SlaveLoopConfig slave_loop_config(const proto::Scene& scene) {
-  return {.period = from_seconds(1 / scene.rate_hz()), .lost = milliseconds(scene.link().lost_ms())};
+  return {.period = from_seconds(1 / scene.rate_hz()),
+          .lost = milliseconds(scene.link().lost_ms())};
 }
 
 AnyRobot make_robot(const proto::Scene& scene, std::uint64_t seed) {
@@ -107,17 +109,21 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   const proto::Slave& s = scene.slave();
   const proto::JointPid& pid = s.joint_pid();
   std::vector<std::string> out;
-  out.push_back(fmt::format("link            receive the handle's pose at {:g} Hz, phase-locked", scene.rate_hz()));
-  out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}", s.workspace().scale()));
-  out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, {} surfaces)", s.sim_arm().rate_hz(),
-                            s.sim_arm().surface_size()));
+  out.push_back(fmt::format("link            receive the handle's pose at {:g} Hz, phase-locked",
+                            scene.rate_hz()));
+  out.push_back(
+      fmt::format("workspace       handle pose to tool target, scale {:g}", s.workspace().scale()));
+  out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, {} surfaces)",
+                            s.sim_arm().rate_hz(), s.sim_arm().surface_size()));
   out.push_back("arm             forward and nearest inverse kinematics");
-  out.push_back(fmt::format("joint_pid       {:g} Hz, damping {:g}{}{}{}", pid.bandwidth_hz(), pid.damping_ratio(),
-                            pid.has_gravity_compensation() ? ", gravity" : "",
+  out.push_back(fmt::format("joint_pid       {:g} Hz, damping {:g}{}{}{}", pid.bandwidth_hz(),
+                            pid.damping_ratio(), pid.has_gravity_compensation() ? ", gravity" : "",
                             pid.has_friction_compensation() ? ", friction" : "",
                             pid.has_velocity_feedforward() ? ", velocity feed-forward" : ""));
   out.push_back("limits          finite, clamp, slew; write joint torques");
-  if (s.has_force_sensing()) out.push_back("force_sensing   contact wrench, tool weight and bias removed, sent to the master");
+  if (s.has_force_sensing())
+    out.push_back(
+        "force_sensing   contact wrench, tool weight and bias removed, sent to the master");
   out.push_back("link            send the tool's pose");
   return out;
 }

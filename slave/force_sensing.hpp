@@ -1,5 +1,6 @@
-// From the robot's raw force/torque sensor to the wrench the robot exerts on its surroundings: constant bias and the weight of the
-// tool removed (reference section 8), optionally through one pole.
+// From the robot's raw force/torque sensor to the wrench the robot exerts on its surroundings:
+// constant bias and the weight of the tool removed (reference section 8), optionally through one
+// pole.
 #pragma once
 
 #include "common/geometry.hpp"
@@ -7,10 +8,10 @@
 namespace farhand {
 
 struct ForceSensingConfig {
-  double tool_mass = 0;         // [kg] beyond the sensor
-  Vec3 p_ET = Vec3::Zero();     // its centre of mass from E, E axes [m]
-  Vec3 bias = Vec3::Zero();     // of the force reading, E axes [N]
-  double cutoff_hz = 0;         // 0: no filter
+  double tool_mass = 0;      // [kg] beyond the sensor
+  Vec3 p_ET = Vec3::Zero();  // its centre of mass from E, E axes [m]
+  Vec3 bias = Vec3::Zero();  // of the force reading, E axes [N]
+  double cutoff_hz = 0;      // 0: no filter
   Vec3 gravity_S = Vec3(0, 0, -9.81);
 };
 
@@ -18,7 +19,8 @@ class ForceSensing {
  public:
   ForceSensing(const ForceSensingConfig& config, double Ts) noexcept;
 
-  // raw: sensor reading at E, axes of S, bias and tool weight included. X_SE: pose of the tool. Not finite: the last value.
+  // raw: sensor reading at E, axes of S, bias and tool weight included. X_SE: pose of the tool. Not
+  // finite: the last value.
   const Wrench& step(const Wrench& raw_E_S, const Pose& X_SE) noexcept;
 
  private:

@@ -25,7 +25,11 @@ std::complex<double> servo_error(const JointServoConfig& c, double w) noexcept {
 }
 
 JointServo::JointServo(const JointServoConfig& config, const ArmModel& model, double Ts) noexcept
-    : config_(config), model_(model), dynamics_(make_arm_dynamics(model)), Ts_(Ts), rate_gain_(low_pass_gain(config.command_cutoff_hz, Ts)) {
+    : config_(config),
+      model_(model),
+      dynamics_(make_arm_dynamics(model)),
+      Ts_(Ts),
+      rate_gain_(low_pass_gain(config.command_cutoff_hz, Ts)) {
   for (int i = 0; i < 6; ++i)
     pid_[i] = make_pid(joint_gains(config, config.inertia[i], model.links[i].torque_limit), Ts);
 }
@@ -54,8 +58,9 @@ Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
     const Vec6& dq_cmd = command_rate(q_cmd);
     if (const auto& friction = config_.friction_compensation) {
       for (int i = 0; i < 6; ++i)
-        ahead[i] += friction->share * (model_.links[i].coulomb * std::tanh(dq_cmd[i] / friction->speed_scale) +
-                                       model_.links[i].viscous * dq_cmd[i]);
+        ahead[i] += friction->share *
+                    (model_.links[i].coulomb * std::tanh(dq_cmd[i] / friction->speed_scale) +
+                     model_.links[i].viscous * dq_cmd[i]);
     }
     if (const auto& fed = config_.velocity_feedforward) {
       for (int i = 0; i < 6; ++i) ahead[i] += fed->share * pid_[i].kd_per_Ts * Ts_ * dq_cmd[i];

@@ -3,8 +3,9 @@
 //   tau = PID(q_cmd - q) + G(q) + share C tanh(dq_cmd / speed) + share b dq_cmd + share kd dq_cmd
 //         servo            gravity  Coulomb and viscous friction            velocity feed-forward
 //
-// kp = J w^2, kd = 2 z w J, ki = integral kp; derivative on the measurement; w = 2 pi bandwidth. Each feed-forward term is a
-// stage of its own and costs nothing when it is absent. dq_cmd is the low-passed difference of q_cmd.
+// kp = J w^2, kd = 2 z w J, ki = integral kp; derivative on the measurement; w = 2 pi bandwidth.
+// Each feed-forward term is a stage of its own and costs nothing when it is absent. dq_cmd is the
+// low-passed difference of q_cmd.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@
 namespace farhand {
 
 struct FrictionCompensationConfig {
-  double share = 1;         // of the model's friction, 0..1
+  double share = 1;           // of the model's friction, 0..1
   double speed_scale = 0.02;  // [rad/s]
 };
 struct VelocityFeedforwardConfig {
@@ -39,8 +40,9 @@ struct JointServoConfig {
 
 PidConfig joint_gains(const JointServoConfig& config, double inertia, double torque_limit) noexcept;
 
-// (r - q) / r at the angular frequency w [rad/s] of the servo as configured around a plant of its nominal inertia without
-// friction: what tracking error to expect. Velocity feed-forward counts with its share.
+// (r - q) / r at the angular frequency w [rad/s] of the servo as configured around a plant of its
+// nominal inertia without friction: what tracking error to expect. Velocity feed-forward counts
+// with its share.
 std::complex<double> servo_error(const JointServoConfig& config, double w) noexcept;
 
 class JointServo {

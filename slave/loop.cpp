@@ -4,8 +4,8 @@
 
 namespace farhand {
 
-SlaveLoop::SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link, UdpSocket& socket,
-                     Recorder<SlaveRecord>& recorder) noexcept
+SlaveLoop::SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link,
+                     UdpSocket& socket, Recorder<SlaveRecord>& recorder) noexcept
     : config_(config),
       slave_(slave),
       robot_(robot),
@@ -47,7 +47,8 @@ void SlaveLoop::turn() noexcept {
   finish(planned, begin, end);
 }
 
-// Late is a tick that began after the last instant at which it should have, or ended when the next should have begun.
+// Late is a tick that began after the last instant at which it should have, or ended when the next
+// should have begun.
 void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept {
   LoopTiming& timing = record_.timing;
   timing.woken_late = std::max(begin - planned, Duration(0));
@@ -68,7 +69,9 @@ Peer<MasterToSlave> SlaveLoop::master(TimePoint now) const noexcept {
 }
 
 bool SlaveLoop::await_message() noexcept {
-  const auto arrived = [this] { return link_.newest() != nullptr && link_.newest()->sequence != ticked_sequence_; };
+  const auto arrived = [this] {
+    return link_.newest() != nullptr && link_.newest()->sequence != ticked_sequence_;
+  };
   sleep_until(phase_.earliest());
   receive();
   while (!arrived() && socket_.wait_readable(phase_.deadline())) receive();
@@ -77,8 +80,8 @@ bool SlaveLoop::await_message() noexcept {
   return on_arrival;
 }
 
-// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only an accepted datagram may
-// say where the master is.
+// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only
+// an accepted datagram may say where the master is.
 void SlaveLoop::receive() noexcept {
   constexpr int kBurst = 64;
   std::array<std::byte, UdpSocket::kReceiveBytes> buffer;

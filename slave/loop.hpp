@@ -1,4 +1,5 @@
-// The slave's real-time shell: clock, socket and robot around the tick, phase-locked to the master's messages.
+// The slave's real-time shell: clock, socket and robot around the tick, phase-locked to the
+// master's messages.
 #pragma once
 
 #include "common/link.hpp"
@@ -27,11 +28,11 @@ struct SlaveLoopConfig {
 class SlaveLoop {
  public:
   // Everything is borrowed and must outlive the loop.
-  SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link, UdpSocket& socket,
-            Recorder<SlaveRecord>& recorder) noexcept;
+  SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link,
+            UdpSocket& socket, Recorder<SlaveRecord>& recorder) noexcept;
 
-  // Turns until a stop is requested or `limit` has passed; then the master counts as gone, the robot comes to rest and is left held, and the master
-  // is told.
+  // Turns until a stop is requested or `limit` has passed; then the master counts as gone, the
+  // robot comes to rest and is left held, and the master is told.
   void run(Duration limit) noexcept;
 
   // One period: wait for the master's message or the deadline, read, tick, write, answer.

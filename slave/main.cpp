@@ -7,23 +7,27 @@
 
 int main(int argc, char** argv) {
   using namespace farhand;
-  return run_program(argc, argv, "farhand-slave", "the robot's side of a teleoperation", [](const ProgramOptions& options) {
-    const Scene scene = load_scene(options.scene);
-    require_slave(scene);
-    if (print_only(options, scene, {{"slave", slave_stages(scene.proto)}})) return 0;
+  return run_program(
+      argc, argv, "farhand-slave", "the robot's side of a teleoperation",
+      [](const ProgramOptions& options) {
+        const Scene scene = load_scene(options.scene);
+        require_slave(scene);
+        if (print_only(options, scene, {{"slave", slave_stages(scene.proto)}})) return 0;
 
-    Slave slave(slave_config(scene.proto));
-    AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
-    SlaveLink link({.session = random_session(), .scene_hash = scene.shared_hash});
-    UdpSocket socket(parse_udp_address(options.listen.value_or(scene.proto.link().slave_address())));
-    SlaveStatus status(scene.shared_hash, options.quiet);
-    Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
+        Slave slave(slave_config(scene.proto));
+        AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
+        SlaveLink link({.session = random_session(), .scene_hash = scene.shared_hash});
+        UdpSocket socket(
+            parse_udp_address(options.listen.value_or(scene.proto.link().slave_address())));
+        SlaveStatus status(scene.shared_hash, options.quiet);
+        Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
 
-    announce("farhand-slave", scene, "listening on " + to_string(socket.local()));
-    warn_each(enter_realtime(kLoopPriority));
-    SlaveLoop(slave_loop_config(scene.proto), slave, robot, link, socket, recorder).run(options.limit());
-    recorder.stop();
-    std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
-    return 0;
-  });
+        announce("farhand-slave", scene, "listening on " + to_string(socket.local()));
+        warn_each(enter_realtime(kLoopPriority));
+        SlaveLoop(slave_loop_config(scene.proto), slave, robot, link, socket, recorder)
+            .run(options.limit());
+        recorder.stop();
+        std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
+        return 0;
+      });
 }

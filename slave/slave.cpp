@@ -5,13 +5,16 @@
 namespace farhand {
 
 Slave::Slave(const SlaveConfig& config) noexcept
-    : config_(config), q_step_(config.joints.speed * config.Ts), servo_(config.servo, config.model, config.Ts) {
+    : config_(config),
+      q_step_(config.joints.speed * config.Ts),
+      servo_(config.servo, config.model, config.Ts) {
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
 }
 
-const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master, const RobotReading& robot) noexcept {
+const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
+                             const RobotReading& robot) noexcept {
   tick_.now = now;
   tick_.age = master.age;
   tick_.robot = robot;
@@ -32,15 +35,17 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master, c
 
 void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   const MasterToSlave* in = master.newest;
-  tick_.mode = next_mode(tick_.mode, {.equipment_ok = tick_.robot.ok,
-                                      .connected = master.connected && in != nullptr,
-                                      .fresh = master.age <= config_.stale,
-                                      .partner_able = true,
-                                      .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
+  tick_.mode = next_mode(tick_.mode,
+                         {.equipment_ok = tick_.robot.ok,
+                          .connected = master.connected && in != nullptr,
+                          .fresh = master.age <= config_.stale,
+                          .partner_able = true,
+                          .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
-// The handle's pose becomes a tool target, and that a joint target if it can be reached; otherwise the last one stays.
+// The handle's pose becomes a tool target, and that a joint target if it can be reached; otherwise
+// the last one stays.
 void Slave::move_target(const MasterToSlave* in) noexcept {
   if (!started_) {
     started_ = true;
@@ -55,8 +60,10 @@ void Slave::move_target(const MasterToSlave* in) noexcept {
     tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
     const ArmNearest nearest = inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_);
     tick_.inverse = nearest.status;
-    if (nearest.status == Status::ok) q_target_ = nearest.q;
-    else tick_.limits |= kLimitWorkspace;
+    if (nearest.status == Status::ok)
+      q_target_ = nearest.q;
+    else
+      tick_.limits |= kLimitWorkspace;
   } else if (workspace_.coupled) {
     q_target_ = tick_.q_cmd;
     uncouple(workspace_, forward(config_.arm, tick_.q_cmd));

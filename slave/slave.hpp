@@ -1,5 +1,5 @@
-// The slave's tick: target in, joint torques and contact wrench out. A plain function of (now, partner, robot reading, state);
-// the shell around it owns the clock, the socket and the robot.
+// The slave's tick: target in, joint torques and contact wrench out. A plain function of (now,
+// partner, robot reading, state); the shell around it owns the clock, the socket and the robot.
 #pragma once
 
 #include <optional>
@@ -24,8 +24,9 @@ struct SlaveConfig {
   JointLimits joints;
   WorkspaceConfig workspace;
   JointServoConfig servo;
-  ArmModel model;                      // what the servo's feed-forward believes
-  double torque_rise_time_s = 0.02;    // a joint torque may go from 0 to its limit in this time: the slew limit
+  ArmModel model;  // what the servo's feed-forward believes
+  double torque_rise_time_s =
+      0.02;  // a joint torque may go from 0 to its limit in this time: the slew limit
   std::optional<ForceSensingConfig> force_sensing;
 };
 
@@ -36,7 +37,7 @@ struct SlaveTick {
   RobotReading robot;
   Mode mode = Mode::idle;
   bool coupled = false;
-  Pose X_SE;         // of the measured joints
+  Pose X_SE;  // of the measured joints
   Pose X_SE_target;
   Vec6 q_cmd = Vec6::Zero();  // joint command after speed limits
   Vec6 tau = Vec6::Zero();    // written to the robot
@@ -51,8 +52,10 @@ class Slave {
  public:
   explicit Slave(const SlaveConfig& config) noexcept;
 
-  // One period. Write tick.tau to the robot, then send tick.out. The reference stays valid until the next call.
-  const SlaveTick& tick(TimePoint now, const Peer<MasterToSlave>& master, const RobotReading& robot) noexcept;
+  // One period. Write tick.tau to the robot, then send tick.out. The reference stays valid until
+  // the next call.
+  const SlaveTick& tick(TimePoint now, const Peer<MasterToSlave>& master,
+                        const RobotReading& robot) noexcept;
 
   const SlaveConfig& config() const noexcept { return config_; }
   const WorkspaceState& workspace() const noexcept { return workspace_; }
@@ -64,9 +67,9 @@ class Slave {
   void answer(const MasterToSlave* in) noexcept;
 
   SlaveConfig config_;
-  Vec6 q_step_;     // largest joint command change per tick [rad]
-  Vec6 tau_max_;    // [N m]
-  Vec6 tau_step_;   // [N m per tick]
+  Vec6 q_step_;    // largest joint command change per tick [rad]
+  Vec6 tau_max_;   // [N m]
+  Vec6 tau_step_;  // [N m per tick]
   WorkspaceState workspace_;
   JointServo servo_;
   std::optional<ForceSensing> force_sensing_;

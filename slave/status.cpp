@@ -12,16 +12,20 @@ namespace {
 
 std::string live_line(const SlaveRecord& r, std::uint64_t overruns) {
   const Vec3 p = r.tick.X_SE.p * 1e3;
-  return fmt::format("{:<7} tool ({:6.1f} {:6.1f} {:6.1f}) mm  off target {:5.2f} mm  contact {:5.2f} N  overruns {}",
-                     to_string(r.tick.mode), p.x(), p.y(), p.z(), (r.tick.X_SE_target.p - r.tick.X_SE.p).norm() * 1e3,
-                     r.tick.F_E_S.force.norm(), overruns);
+  return fmt::format(
+      "{:<7} tool ({:6.1f} {:6.1f} {:6.1f}) mm  off target {:5.2f} mm  contact {:5.2f} N  overruns "
+      "{}",
+      to_string(r.tick.mode), p.x(), p.y(), p.z(),
+      (r.tick.X_SE_target.p - r.tick.X_SE.p).norm() * 1e3, r.tick.F_E_S.force.norm(), overruns);
 }
 
 std::string tracking_row(const char* where, const Rms& position, const Rms& rotation) {
   if (position.count == 0) return {};
   constexpr double kDegree = 180 / std::numbers::pi;
-  return fmt::format("  tracking {:<13} {:8.3f} mm rms  {:8.3f} mm peak  {:7.3f} deg rms  {:7.3f} deg peak\n", where,
-                     position.value() * 1e3, position.peak * 1e3, rotation.value() * kDegree, rotation.peak * kDegree);
+  return fmt::format(
+      "  tracking {:<13} {:8.3f} mm rms  {:8.3f} mm peak  {:7.3f} deg rms  {:7.3f} deg peak\n",
+      where, position.value() * 1e3, position.peak * 1e3, rotation.value() * kDegree,
+      rotation.peak * kDegree);
 }
 
 }  // namespace
@@ -31,7 +35,8 @@ std::string summary_rows(const SlaveSummary& s) {
   out += tracking_row("free", s.position_free, s.rotation_free);
   out += tracking_row("in contact", s.position_contact, s.rotation_contact);
   if (s.force.count > 0)
-    out += fmt::format("  contact force          {:8.3f} N rms   {:8.3f} N peak\n", s.force.value(), s.force.peak);
+    out += fmt::format("  contact force          {:8.3f} N rms   {:8.3f} N peak\n", s.force.value(),
+                       s.force.peak);
   return out + limit_row(s.limits);
 }
 

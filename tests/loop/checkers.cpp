@@ -6,8 +6,8 @@ namespace farhand {
 namespace {
 
 constexpr double kRounding = 1e-9;  // relative room for the limiters' own arithmetic
-// The command never leaves the joint limits or speeds; the simulated joint behind it may overshoot by what a servo of
-// damping ratio 0.9 does.
+// The command never leaves the joint limits or speeds; the simulated joint behind it may overshoot
+// by what a servo of damping ratio 0.9 does.
 constexpr double kOvershoot = 0.02;       // [rad]
 constexpr double kSpeedOvershoot = 1.15;  // of the speed limit
 
@@ -24,18 +24,21 @@ void Checkers::expect(bool good, TimePoint now, const char* what, double value, 
   constexpr std::size_t kKept = 20;
   ++count_;
   if (first_.size() < kKept)
-    first_.push_back({seconds(now - loop_.start()), fmt::format("{}: {:.9g}, limit {:.9g}", what, value, limit)});
+    first_.push_back({seconds(now - loop_.start()),
+                      fmt::format("{}: {:.9g}, limit {:.9g}", what, value, limit)});
 }
 
 void Checkers::check(const MasterTick& t) {
   const MasterConfig& c = loop_.master().config();
-  expect(is_legal(master_mode_, t.mode), t.now, "illegal master transition", static_cast<int>(t.mode),
-         static_cast<int>(master_mode_));
-  expect(t.tau.allFinite() && is_finite(t.F_G) && t.handle.X_MH.p.allFinite(), t.now, "master not finite", NAN, 0);
+  expect(is_legal(master_mode_, t.mode), t.now, "illegal master transition",
+         static_cast<int>(t.mode), static_cast<int>(master_mode_));
+  expect(t.tau.allFinite() && is_finite(t.F_G) && t.handle.X_MH.p.allFinite(), t.now,
+         "master not finite", NAN, 0);
   const double tau = t.tau.cwiseAbs().maxCoeff();
   const double step = (t.tau - motor_tau_).cwiseAbs().maxCoeff();
   const double max_step = c.max_motor_torque * c.Ts / c.torque_rise_time_s;
-  expect(tau <= c.max_motor_torque * (1 + kRounding), t.now, "motor torque [N m]", tau, c.max_motor_torque);
+  expect(tau <= c.max_motor_torque * (1 + kRounding), t.now, "motor torque [N m]", tau,
+         c.max_motor_torque);
   expect(step <= max_step * (1 + kRounding), t.now, "motor torque step [N m]", step, max_step);
   if (c.force_feedback) check_handle(t);
   master_mode_ = t.mode;
@@ -47,10 +50,12 @@ void Checkers::check_handle(const MasterTick& t) {
   const WrenchLimits& limits = loop_.master().config().force_feedback->controller.limits;
   const double f = t.F_G.force.norm(), df = (t.F_G.force - F_G_.force).norm();
   expect(f <= limits.force * (1 + kRounding), t.now, "force on the hand [N]", f, limits.force);
-  expect(df <= limits.force_step * (1 + kRounding), t.now, "force step on the hand [N]", df, limits.force_step);
+  expect(df <= limits.force_step * (1 + kRounding), t.now, "force step on the hand [N]", df,
+         limits.force_step);
   const double m = t.F_G.torque.norm(), dm = (t.F_G.torque - F_G_.torque).norm();
   expect(m <= limits.torque * (1 + kRounding), t.now, "torque on the hand [N m]", m, limits.torque);
-  expect(dm <= limits.torque_step * (1 + kRounding), t.now, "torque step on the hand [N m]", dm, limits.torque_step);
+  expect(dm <= limits.torque_step * (1 + kRounding), t.now, "torque step on the hand [N m]", dm,
+         limits.torque_step);
 }
 
 void Checkers::check(const SlaveTick& t) {
@@ -58,17 +63,20 @@ void Checkers::check(const SlaveTick& t) {
   const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
   expect(is_legal(slave_mode_, t.mode), t.now, "illegal slave transition", static_cast<int>(t.mode),
          static_cast<int>(slave_mode_));
-  expect(truth.q.allFinite() && truth.dq.allFinite() && t.tau.allFinite(), t.now, "robot not finite", NAN, 0);
+  expect(truth.q.allFinite() && truth.dq.allFinite() && t.tau.allFinite(), t.now,
+         "robot not finite", NAN, 0);
 
   const Vec6 below = c.joints.lower - truth.q, above = truth.q - c.joints.upper;
   const double outside = std::max(below.maxCoeff(), above.maxCoeff());
   expect(outside <= kOvershoot, t.now, "joint outside its limits [rad]", outside, kOvershoot);
   const double speed = worst(truth.dq, c.joints.speed);
-  expect(speed <= kSpeedOvershoot, t.now, "joint speed, share of its limit", speed, kSpeedOvershoot);
+  expect(speed <= kSpeedOvershoot, t.now, "joint speed, share of its limit", speed,
+         kSpeedOvershoot);
 
   Vec6 tau_max;
   for (int i = 0; i < 6; ++i) tau_max[i] = c.model.links[i].torque_limit;
-  expect(worst(t.tau, tau_max) <= 1 + kRounding, t.now, "joint torque, share of its limit", worst(t.tau, tau_max), 1);
+  expect(worst(t.tau, tau_max) <= 1 + kRounding, t.now, "joint torque, share of its limit",
+         worst(t.tau, tau_max), 1);
   if (slave_seen_) {
     const double step = worst(t.q_cmd - q_cmd_, c.joints.speed * c.Ts);
     expect(step <= 1 + kRounding, t.now, "joint command step, share of its limit", step, 1);

@@ -1,5 +1,6 @@
-// Looks at the plant's side of the loop, after the limits, every tick: what must never happen whatever the hand, the network
-// or the robot does. A violation ends nothing; it is kept and makes the run fail.
+// Looks at the plant's side of the loop, after the limits, every tick: what must never happen
+// whatever the hand, the network or the robot does. A violation ends nothing; it is kept and makes
+// the run fail.
 #pragma once
 
 #include <cstdint>

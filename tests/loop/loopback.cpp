@@ -36,10 +36,12 @@ void push(Impairment& network, std::span<const std::byte> datagram, TimePoint no
 Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
     : loop_(master_loop_config(scene.proto)),
       master_(master_config(scene.proto)),
-      device_(make_device(scene, options.trace, stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
+      device_(make_device(scene, options.trace,
+                          stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
       link_({.session = 1, .scene_hash = scene.shared_hash}),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
-  if (scene.proto.has_slave()) slave_.emplace(make_slave(scene, options.seed.value_or(scene.proto.seed())));
+  if (scene.proto.has_slave())
+    slave_.emplace(make_slave(scene, options.seed.value_or(scene.proto.seed())));
 }
 
 Loopback::SlaveSide Loopback::make_slave(const Scene& scene, std::uint64_t seed) const {
@@ -48,8 +50,10 @@ Loopback::SlaveSide Loopback::make_slave(const Scene& scene, std::uint64_t seed)
   return {.slave = Slave(slave_config(scene.proto)),
           .robot = make_robot(scene.proto, stream(seed, kRobotStream)),
           .link = SlaveLink({.session = 2, .scene_hash = scene.shared_hash}),
-          .to_slave = Impairment(impairment(link.has_to_slave(), link.to_slave()), stream(seed, kToSlaveStream)),
-          .to_master = Impairment(impairment(link.has_to_master(), link.to_master()), stream(seed, kToMasterStream)),
+          .to_slave = Impairment(impairment(link.has_to_slave(), link.to_slave()),
+                                 stream(seed, kToSlaveStream)),
+          .to_master = Impairment(impairment(link.has_to_master(), link.to_master()),
+                                  stream(seed, kToMasterStream)),
           .phase = PhaseLock(loop.period, kStart + loop.period / 2),
           .loop = loop};
 }
@@ -82,13 +86,16 @@ TimePoint Loopback::next_event() const noexcept {
 }
 
 TimePoint Loopback::slave_due() const noexcept {
-  return slave_->message_waits ? std::max(slave_->phase.earliest(), now_) : slave_->phase.deadline();
+  return slave_->message_waits ? std::max(slave_->phase.earliest(), now_)
+                               : slave_->phase.deadline();
 }
 
 void Loopback::deliver() noexcept {
-  for (auto d = slave_->to_slave.pop(now_, buffer_); !d.empty(); d = slave_->to_slave.pop(now_, buffer_))
+  for (auto d = slave_->to_slave.pop(now_, buffer_); !d.empty();
+       d = slave_->to_slave.pop(now_, buffer_))
     slave_->link.receive(d, now_);
-  for (auto d = slave_->to_master.pop(now_, buffer_); !d.empty(); d = slave_->to_master.pop(now_, buffer_))
+  for (auto d = slave_->to_master.pop(now_, buffer_); !d.empty();
+       d = slave_->to_master.pop(now_, buffer_))
     link_.receive(d, now_);
   const auto* newest = slave_->link.newest();
   slave_->message_waits = newest != nullptr && newest->sequence != slave_->ticked_sequence;
@@ -97,7 +104,8 @@ void Loopback::deliver() noexcept {
 void Loopback::slave_tick() {
   SlaveSide& s = *slave_;
   const RobotReading reading = read(s.robot, now_);
-  const SlaveTick& tick = s.slave.tick(now_, peer<MasterToSlave>(s.link, now_, s.loop.lost), reading);
+  const SlaveTick& tick =
+      s.slave.tick(now_, peer<MasterToSlave>(s.link, now_, s.loop.lost), reading);
   write(s.robot, now_, tick.tau);
   push(s.to_master, s.link.hello_due(now_), now_);
   push(s.to_master, s.link.encode(tick.out, now_), now_);
@@ -108,7 +116,8 @@ void Loopback::slave_tick() {
 }
 
 void Loopback::sample() {
-  const MasterToSlave& message = master_.sample(now_, read(device_, now_), peer<SlaveToMaster>(link_, now_, loop_.lost));
+  const MasterToSlave& message =
+      master_.sample(now_, read(device_, now_), peer<SlaveToMaster>(link_, now_, loop_.lost));
   next_sample_ += loop_.period;
   cut_off_ = now_;
   if (!slave_) return;
@@ -126,7 +135,8 @@ void Loopback::actuate() {
 }
 
 bool Loopback::answered() const noexcept {
-  return slave_ && link_.newest() != nullptr && link_.newest()->echo_sequence >= sent_sequence_ && sent_sequence_ > 0;
+  return slave_ && link_.newest() != nullptr && link_.newest()->echo_sequence >= sent_sequence_ &&
+         sent_sequence_ > 0;
 }
 
 }  // namespace farhand

@@ -1,5 +1,6 @@
-// Both sides in one process under virtual time: the same ticks, links and simulated hardware as the two programs, with a seeded
-// network between them. The same scene, seed and build give the same bits.
+// Both sides in one process under virtual time: the same ticks, links and simulated hardware as the
+// two programs, with a seeded network between them. The same scene, seed and build give the same
+// bits.
 #pragma once
 
 #include <array>
@@ -21,9 +22,9 @@
 namespace farhand {
 
 struct LoopbackOptions {
-  std::optional<std::uint64_t> seed;   // instead of the scene's
-  std::optional<double> duration_s;    // instead of the scene's
-  std::optional<std::string> trace;    // motion of the simulated hand
+  std::optional<std::uint64_t> seed;  // instead of the scene's
+  std::optional<double> duration_s;   // instead of the scene's
+  std::optional<std::string> trace;   // motion of the simulated hand
 };
 
 class Loopback {
@@ -49,7 +50,9 @@ class Loopback {
   const Master& master() const noexcept { return master_; }
   const Slave* slave() const noexcept { return slave_ ? &slave_->slave : nullptr; }
   const LinkCounters& master_link() const noexcept { return link_.counters(); }
-  const LinkCounters* slave_link() const noexcept { return slave_ ? &slave_->link.counters() : nullptr; }
+  const LinkCounters* slave_link() const noexcept {
+    return slave_ ? &slave_->link.counters() : nullptr;
+  }
   const LinkQuality& quality() const noexcept { return link_.quality(); }
 
  private:

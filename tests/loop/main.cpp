@@ -1,5 +1,6 @@
-// farhand-loopback: master and slave of one scene in one process, in virtual time, far faster than real. Exit status 0 if no
-// checker fired, 1 after an error or a violation, 2 for arguments that make no sense.
+// farhand-loopback: master and slave of one scene in one process, in virtual time, far faster than
+// real. Exit status 0 if no checker fired, 1 after an error or a violation, 2 for arguments that
+// make no sense.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -15,7 +16,8 @@ int main(int argc, char** argv) {
   app.add_option("scene", options.scene, "scene file, see deploy/scenes")->required();
   app.add_option("--trace", loop.trace, "recorded motion (CSV) for the simulated hand");
   app.add_option("--seed", loop.seed, "instead of the scene's seed");
-  app.add_option("--duration", loop.duration_s, "simulated seconds, instead of the scene's")->check(CLI::Range(0.001, 86400.0));
+  app.add_option("--duration", loop.duration_s, "simulated seconds, instead of the scene's")
+      ->check(CLI::Range(0.001, 86400.0));
   app.add_flag("--json", json, "print the result as JSON");
   app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   app.add_flag("--check", options.check, "check the scene and exit");

@@ -12,7 +12,8 @@ namespace {
 class Digest {
  public:
   void add(const Vec6& v) noexcept {
-    for (double x : v) value_ = (std::rotl(value_, 5) ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
+    for (double x : v)
+      value_ = (std::rotl(value_, 5) ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15u;
   }
   std::uint64_t value() const noexcept { return value_; }
 
@@ -24,9 +25,11 @@ class Digest {
 class SettlingWatch {
  public:
   explicit SettlingWatch(const proto::Scene& scene) {
-    for (const auto& s : scene.master().position_control().set_point()) begins_.push_back({.at_s = s.at_s()});
+    for (const auto& s : scene.master().position_control().set_point())
+      begins_.push_back({.at_s = s.at_s()});
     for (const auto& p : scene.master().sim_hand().push()) begins_.push_back({.at_s = p.at_s()});
-    std::sort(begins_.begin(), begins_.end(), [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
+    std::sort(begins_.begin(), begins_.end(),
+              [](const auto& a, const auto& b) { return a.at_s < b.at_s; });
   }
   void add(double t, const Vec3& error) {
     constexpr double kSettled = 0.0015;  // [m], the publication's accuracy
@@ -70,7 +73,8 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
     out.master.add(t);
     digest.add(t.reading.theta);
     digest.add(t.tau);
-    if (t.position_controlled) settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device()).p);
+    if (t.position_controlled)
+      settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device()).p);
   };
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);
@@ -80,8 +84,11 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
     const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop.robot());
     out.peak_penetration = std::max(out.peak_penetration, truth.penetration);
     if (!t.coupled) return;
-    const double error = (wanted_tool(*loop.slave(), true_handle(loop.device())) - truth.X_SE.p).norm();
-    (truth.F_E_S.force.norm() > kContactForce ? out.handle_to_robot_contact : out.handle_to_robot_free).add(error);
+    const double error =
+        (wanted_tool(*loop.slave(), true_handle(loop.device())) - truth.X_SE.p).norm();
+    (truth.F_E_S.force.norm() > kContactForce ? out.handle_to_robot_contact
+                                              : out.handle_to_robot_free)
+        .add(error);
   };
 
   const auto begin = std::chrono::steady_clock::now();

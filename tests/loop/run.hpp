@@ -1,4 +1,5 @@
-// One run of a scene in virtual time, judged: what farhand-loopback prints and what the scene tests assert.
+// One run of a scene in virtual time, judged: what farhand-loopback prints and what the scene tests
+// assert.
 #pragma once
 
 #include <string>
@@ -12,8 +13,8 @@
 
 namespace farhand {
 
-// How a set point or a push was mastered by position control: from its begin to the last instant, before the next, at which
-// any axis of the grip was off target by more than 1.5 mm.
+// How a set point or a push was mastered by position control: from its begin to the last instant,
+// before the next, at which any axis of the grip was off target by more than 1.5 mm.
 struct Settling {
   double at_s = 0;
   double settled_after_s = 0;
@@ -25,7 +26,8 @@ struct RunResult {
   double wall_s = 0;
   MasterSummary master;
   SlaveSummary slave;
-  // The true tool against where the true handle, at the same instant, asks it to be: servo and network together.
+  // The true tool against where the true handle, at the same instant, asks it to be: servo and
+  // network together.
   Rms handle_to_robot_free, handle_to_robot_contact;  // [m]
   std::vector<Settling> settling;
   double peak_penetration = 0;  // [m]
@@ -33,7 +35,8 @@ struct RunResult {
   LinkQuality quality;
   std::uint64_t violations = 0;
   std::vector<Violation> first_violations;
-  std::uint64_t digest = 0;  // of every joint angle and torque on both sides: same bits, same digest
+  std::uint64_t digest =
+      0;  // of every joint angle and torque on both sides: same bits, same digest
 
   bool good() const noexcept { return violations == 0; }
 };

@@ -13,21 +13,23 @@ using Json = nlohmann::ordered_json;
 
 std::string millimetres_row(const char* name, const Rms& e) {
   if (e.count == 0) return {};
-  return fmt::format("  {:<22} {:8.3f} mm rms  {:8.3f} mm peak\n", name, e.value() * 1e3, e.peak * 1e3);
+  return fmt::format("  {:<22} {:8.3f} mm rms  {:8.3f} mm peak\n", name, e.value() * 1e3,
+                     e.peak * 1e3);
 }
 
 std::string settling_rows(const RunResult& r) {
   std::string out;
   for (const Settling& s : r.settling)
-    out += fmt::format("  from {:5.2f} s: within 1.5 mm after {:.2f} s, peak error {:.2f} mm\n", s.at_s, s.settled_after_s,
-                       s.peak_m * 1e3);
+    out += fmt::format("  from {:5.2f} s: within 1.5 mm after {:.2f} s, peak error {:.2f} mm\n",
+                       s.at_s, s.settled_after_s, s.peak_m * 1e3);
   return out;
 }
 
 std::string link_row(const char* name, const LinkCounters& c) {
   std::string out = fmt::format("  {} received {}, accepted {}", name, c.received, c.accepted());
   for (std::size_t v = 1; v < kVerdicts; ++v)
-    if (c.by_verdict[v] > 0) out += fmt::format(", {} {}", to_string(static_cast<Verdict>(v)), c.by_verdict[v]);
+    if (c.by_verdict[v] > 0)
+      out += fmt::format(", {} {}", to_string(static_cast<Verdict>(v)), c.by_verdict[v]);
   return out + "\n";
 }
 
@@ -49,7 +51,8 @@ Json modes(const std::array<std::uint64_t, 4>& ticks) {
 
 Json json(const LinkCounters& c) {
   Json out = {{"received", c.received}, {"accepted", c.accepted()}, {"dropped", c.dropped()}};
-  for (std::size_t v = 1; v < kVerdicts; ++v) out["dropped_because"][to_string(static_cast<Verdict>(v))] = c.by_verdict[v];
+  for (std::size_t v = 1; v < kVerdicts; ++v)
+    out["dropped_because"][to_string(static_cast<Verdict>(v))] = c.by_verdict[v];
   return out;
 }
 
@@ -61,17 +64,21 @@ std::string to_text(const RunResult& r) {
     out += "slave\n" + summary_rows(r.slave);
     out += "handle to robot, true poses\n" + millimetres_row("free", r.handle_to_robot_free) +
            millimetres_row("in contact", r.handle_to_robot_contact);
-    if (r.peak_penetration > 0) out += fmt::format("  deepest penetration    {:8.3f} mm\n", r.peak_penetration * 1e3);
+    if (r.peak_penetration > 0)
+      out += fmt::format("  deepest penetration    {:8.3f} mm\n", r.peak_penetration * 1e3);
     out += "link\n" + link_row("master", r.master_link) + link_row("slave ", r.slave_link);
     if (r.quality.round_trip_known)
       out += fmt::format("  round trip {:.1f} us, jitter {:.1f} us, lost {}, reordered {}\n",
                          static_cast<double>(r.quality.round_trip.count()) * 1e-3,
-                         static_cast<double>(r.quality.jitter.count()) * 1e-3, r.quality.lost, r.quality.reordered);
+                         static_cast<double>(r.quality.jitter.count()) * 1e-3, r.quality.lost,
+                         r.quality.reordered);
   }
-  out += fmt::format("run\n  {:g} s simulated in {:.3f} s, {:.0f} x real time, digest {:016x}\n", r.simulated_s, r.wall_s,
-                     r.simulated_s / r.wall_s, r.digest);
-  out += r.good() ? std::string("  no limit was violated\n") : fmt::format("  VIOLATIONS {}\n", r.violations);
-  for (const Violation& v : r.first_violations) out += fmt::format("    at {:.4f} s: {}\n", v.at_s, v.what);
+  out += fmt::format("run\n  {:g} s simulated in {:.3f} s, {:.0f} x real time, digest {:016x}\n",
+                     r.simulated_s, r.wall_s, r.simulated_s / r.wall_s, r.digest);
+  out += r.good() ? std::string("  no limit was violated\n")
+                  : fmt::format("  VIOLATIONS {}\n", r.violations);
+  for (const Violation& v : r.first_violations)
+    out += fmt::format("    at {:.4f} s: {}\n", v.at_s, v.what);
   return out;
 }
 
@@ -81,7 +88,8 @@ std::string to_json(const RunResult& r) {
   out["wall_s"] = r.wall_s;
   out["digest"] = fmt::format("{:016x}", r.digest);
   out["violations"] = r.violations;
-  for (const Violation& v : r.first_violations) out["first_violations"].push_back({{"at_s", v.at_s}, {"what", v.what}});
+  for (const Violation& v : r.first_violations)
+    out["first_violations"].push_back({{"at_s", v.at_s}, {"what", v.what}});
   out["master"] = {{"ticks", r.master.ticks},
                    {"ticks_in_mode", modes(r.master.ticks_in_mode)},
                    {"force_error_free_newton", json(r.master.force_free)},
@@ -91,7 +99,8 @@ std::string to_json(const RunResult& r) {
                    {"limited_ticks", json(r.master.limits)},
                    {"link", json(r.master_link)}};
   for (const Settling& s : r.settling)
-    out["settling"].push_back({{"at_s", s.at_s}, {"settled_after_s", s.settled_after_s}, {"peak_m", s.peak_m}});
+    out["settling"].push_back(
+        {{"at_s", s.at_s}, {"settled_after_s", s.settled_after_s}, {"peak_m", s.peak_m}});
   if (r.slave.ticks == 0) return out.dump(2) + "\n";
   out["slave"] = {{"ticks", r.slave.ticks},
                   {"ticks_in_mode", modes(r.slave.ticks_in_mode)},
@@ -104,7 +113,8 @@ std::string to_json(const RunResult& r) {
                   {"peak_penetration_m", r.peak_penetration},
                   {"limited_ticks", json(r.slave.limits)},
                   {"link", json(r.slave_link)}};
-  out["handle_to_robot_m"] = {{"free", json(r.handle_to_robot_free)}, {"contact", json(r.handle_to_robot_contact)}};
+  out["handle_to_robot_m"] = {{"free", json(r.handle_to_robot_free)},
+                              {"contact", json(r.handle_to_robot_contact)}};
   return out.dump(2) + "\n";
 }
 

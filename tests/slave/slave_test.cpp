@@ -1,0 +1,189 @@
+#include "slave/slave.hpp"
+
+#include <gtest/gtest.h>
+
+namespace farhand {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A robot that is where it was told to be, and a master whose message is always the one set here.
+struct Rig {
+  explicit Rig(SlaveConfig config = default_config()) : slave(config) { robot.q = kTeleopHome; }
+
+  static SlaveConfig default_config() {
+    SlaveConfig c;
+    c.workspace.R_SM = twin_delta_axes();
+    c.servo.gravity_compensation = true;
+    return c;
+  }
+
+  const SlaveTick& tick(int times = 1) {
+    const SlaveTick* t = nullptr;
+    for (int i = 0; i < times; ++i) {
+      now += milliseconds(1);
+      t = &slave.tick(now, {.newest = &message, .connected = connected, .age = age}, robot);
+      robot.q = t->q_cmd;
+    }
+    return *t;
+  }
+  void press() {
+    message.dead_man = true;
+    message.mode = Mode::engaged;
+  }
+  void release() {
+    message.dead_man = false;
+    message.mode = Mode::ready;
+  }
+  void engage() {
+    release();
+    tick(2);
+    press();
+    tick();
+  }
+
+  Slave slave;
+  RobotReading robot{.ok = true};
+  MasterToSlave message{.p_MH = Vec3(0.18, 0, 0)};
+  bool connected = true;
+  Duration age{};
+  TimePoint now{};
+};
+
+TEST(Slave, FollowsTheHandleOnlyWhileTheDeadManIsHeld) {
+  Rig rig;
+  const Vec3 home = rig.tick().X_SE.p;
+  rig.message.p_MH.x() -= 0.01;
+  EXPECT_EQ(rig.tick(50).mode, Mode::ready);
+  EXPECT_EQ(rig.robot.q, kTeleopHome);
+  rig.engage();
+  rig.message.p_MH.x() -= 0.02;  // forward
+  const SlaveTick& t = rig.tick(100);
+  EXPECT_EQ(t.mode, Mode::engaged);
+  EXPECT_NEAR((t.X_SE.p - (home + Vec3(0, 0.02, 0))).norm(), 0, 1e-12);
+  rig.release();
+  rig.message.p_MH.x() -= 0.02;
+  const Vec6 q = rig.tick().q_cmd;
+  EXPECT_EQ(rig.tick(100).q_cmd, q);
+}
+
+TEST(Slave, ClutchHoldsTheToolAndReleasingItDoesNotMakeItJump) {
+  Rig rig;
+  rig.engage();
+  rig.message.p_MH.z() += 0.01;
+  const Vec6 q = rig.tick(50).q_cmd;
+  rig.message.clutch = true;
+  rig.message.p_MH.z() -= 0.03;
+  rig.message.q_MH = Quat(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
+  EXPECT_EQ(rig.tick(50).q_cmd, q);
+  EXPECT_FALSE(rig.tick().coupled);
+  rig.message.clutch = false;
+  EXPECT_NEAR((rig.tick().q_cmd - q).norm(), 0, 1e-13);
+  EXPECT_TRUE(rig.tick().coupled);
+}
+
+TEST(Slave, AnOldMessageHoldsTheRobotUntilANewPress) {
+  Rig rig;
+  rig.engage();
+  rig.message.p_MH.y() += 0.01;
+  const Vec6 q = rig.tick(50).q_cmd;
+  rig.age = milliseconds(21);
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
+  EXPECT_TRUE(rig.tick().limits & kLimitStale);
+  rig.age = {};
+  rig.message.p_MH.y() += 0.01;
+  EXPECT_EQ(rig.tick(100).mode, Mode::holding);
+  EXPECT_EQ(rig.tick().q_cmd, q);
+  rig.release();
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+  rig.press();
+  EXPECT_EQ(rig.tick().mode, Mode::engaged);
+}
+
+TEST(Slave, AMasterThatIsNotEngagedItselfMovesNothing) {
+  Rig rig;
+  rig.engage();
+  rig.message.mode = Mode::holding;  // it no longer hears us
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+}
+
+TEST(Slave, ALostMasterLeavesTheRobotHeldAndIdle) {
+  Rig rig;
+  rig.engage();
+  rig.connected = false;
+  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  const Vec6 q = rig.tick().q_cmd;
+  EXPECT_EQ(rig.tick(100).q_cmd, q);
+}
+
+TEST(Slave, AnUnreachableTargetHoldsTheLastJointCommandAndSaysSo) {
+  SlaveConfig config = Rig::default_config();
+  config.workspace.scale = 2;
+  Rig rig(config);
+  rig.engage();
+  for (int k = 0; k < 400; ++k) {
+    rig.message.p_MH.x() -= 0.001;
+    rig.tick();
+  }
+  const SlaveTick& t = rig.tick(500);
+  EXPECT_EQ(t.inverse, Status::too_far);
+  EXPECT_TRUE(t.limits & kLimitWorkspace);
+  EXPECT_EQ(t.mode, Mode::engaged);
+  EXPECT_TRUE(t.coupled);
+  const Vec6 q = t.q_cmd;
+  EXPECT_EQ(rig.tick(10).q_cmd, q);
+  rig.message.p_MH.x() += 0.35;  // back in reach
+  EXPECT_EQ(rig.tick(800).inverse, Status::ok);
+}
+
+TEST(Slave, JointSpeedsAreLimitedWhateverTheHandleDoes) {
+  Rig rig;
+  const Vec6 step = rig.slave.config().joints.speed * 1e-3;
+  rig.engage();
+  Vec6 last = rig.tick().q_cmd;
+  for (int k = 0; k < 200; ++k) {
+    rig.message.p_MH = Vec3(0.18 + 0.1 * ((k / 20) % 2), 0.05 * ((k / 7) % 3), 0);
+    const SlaveTick& t = rig.tick();
+    EXPECT_LE((t.q_cmd - last).cwiseAbs().cwiseQuotient(step).maxCoeff(), 1 + 1e-9);
+    last = t.q_cmd;
+  }
+}
+
+TEST(Slave, TorquesStayWithinTheirLimitsAndSlew) {
+  Rig rig;
+  rig.engage();
+  Vec6 last = rig.tick().tau;
+  for (int k = 0; k < 200; ++k) {
+    rig.robot.q = kTeleopHome + Vec6::Constant(k % 2 == 0 ? 3 : -3);
+    const SlaveTick& t = rig.slave.tick(rig.now += milliseconds(1), {&rig.message, true, {}}, rig.robot);
+    for (int i = 0; i < 6; ++i) {
+      const double max = rig.slave.config().model.links[i].torque_limit;
+      EXPECT_LE(std::abs(t.tau[i]), max);
+      EXPECT_LE(std::abs(t.tau[i] - last[i]), max * 0.05 * (1 + 1e-9));
+    }
+    last = t.tau;
+  }
+}
+
+TEST(Slave, ARobotThatDoesNotReadIsIdleAndKeepsItsTorque) {
+  Rig rig;
+  rig.engage();
+  const Vec6 tau = rig.tick(30).tau;
+  rig.robot.ok = false;
+  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick().tau, tau);
+}
+
+TEST(Slave, TheWrenchIsSentOnlyWhereTheSceneSensesForce) {
+  Rig without;
+  without.robot.F_E_S = {Vec3(1, 2, 3), Vec3::Zero()};
+  EXPECT_EQ(without.tick().out.F_E_M.force, Vec3::Zero());
+  SlaveConfig config = Rig::default_config();
+  config.force_sensing.emplace();
+  Rig with(config);
+  with.robot.F_E_S = {Vec3(1, 2, 3), Vec3::Zero()};
+  EXPECT_EQ(with.tick().out.F_E_M.force, Vec3(-2, 1, 3));
+}
+
+}  // namespace
+}  // namespace farhand
