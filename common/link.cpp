@@ -1,0 +1,188 @@
+#include "common/link.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <numeric>
+#include <type_traits>
+
+#include "common/channel.hpp"
+
+namespace farhand {
+namespace {
+
+// A drift of 100 ppm makes a hold of this length 10 us wrong; longer ones say little of the clock.
+constexpr Duration kMaxHold = std::chrono::milliseconds(100);
+
+template <typename Message>
+constexpr bool kFromMaster = std::is_same_v<Message, MasterToSlave>;
+template <typename Message>
+constexpr Role kSender = kFromMaster<Message> ? Role::master : Role::slave;
+template <typename Message>
+constexpr PayloadType kType =
+    kFromMaster<Message> ? PayloadType::master_to_slave : PayloadType::slave_to_master;
+
+std::uint64_t stamp(Duration since_epoch) noexcept {
+  return static_cast<std::uint64_t>(std::max(since_epoch, Duration::zero()).count());
+}
+Duration duration(std::uint64_t stamp) noexcept {
+  return Duration(static_cast<Duration::rep>(stamp));
+}
+
+}  // namespace
+
+std::uint64_t LinkCounters::dropped() const noexcept {
+  return std::accumulate(by_verdict.begin() + 1, by_verdict.end(), std::uint64_t{0});
+}
+
+template <typename Out, typename In>
+Link<Out, In>::Link(const LinkConfig& config) : config_(config) {
+  assert(config.session != 0 && config.hello_period > Duration::zero());
+}
+
+template <typename Out, typename In>
+std::span<const std::byte> Link<Out, In>::encode(const Out& message, TimePoint now) noexcept {
+  if (!peer_) return {};
+  Header header{.session = config_.session,
+                .peer_session = peer_->session,
+                .sequence = sequence_ + 1,
+                .sent = stamp(now.time_since_epoch())};
+  if (newest_) {
+    header.echo_sequence = newest_->sequence;
+    header.echo_sent = stamp(newest_->sent);
+    header.echo_hold = stamp(now - newest_->received);
+  }
+  std::array<std::byte, kMaxPayloadBytes> payload;
+  const std::size_t size = codec_.encode(header, message, payload);
+  if (size == 0) ++counters_.refused_to_send;
+  if (size > 0) ++sequence_;
+  return std::span(data_).first(seal(std::span(payload).first(size), data_));
+}
+
+template <typename Out, typename In>
+std::span<const std::byte> Link<Out, In>::hello_due(TimePoint now) noexcept {
+  const bool heard = newest_ && now - newest_->received <= config_.silence;
+  if (heard || (next_hello_ && now < *next_hello_)) return {};
+  next_hello_ = now + config_.hello_period;
+  std::array<std::byte, kMaxPayloadBytes> payload;
+  const std::size_t size = codec_.encode({.role = kSender<Out>,
+                                          .session = config_.session,
+                                          .scene_hash = config_.scene_hash,
+                                          .capabilities = config_.capabilities},
+                                         payload);
+  return std::span(hello_).first(seal(std::span(payload).first(size), hello_));
+}
+
+template <typename Out, typename In>
+Verdict Link<Out, In>::receive(std::span<const std::byte> datagram, TimePoint now) noexcept {
+  ++counters_.received;
+  const Verdict verdict = judge(datagram, now);
+  ++counters_.by_verdict[static_cast<std::size_t>(verdict)];
+  return verdict;
+}
+
+template <typename Out, typename In>
+Verdict Link<Out, In>::judge(std::span<const std::byte> datagram, TimePoint now) noexcept {
+  const Opened opened = open(datagram, payload_);
+  if (opened.verdict != Verdict::accepted) return opened.verdict;
+  const std::span<const std::byte> payload = std::span(payload_).first(opened.size);
+  switch (static_cast<PayloadType>(payload[0])) {
+    case PayloadType::hello:
+      return on_hello(payload);
+    case kType<In>:
+      return on_data(payload, now);
+    case kType<Out>:
+      return Verdict::wrong_role;
+  }
+  return Verdict::unexpected_type;
+}
+
+template <typename Out, typename In>
+Verdict Link<Out, In>::on_hello(std::span<const std::byte> payload) noexcept {
+  Hello hello;
+  const Verdict verdict = codec_.decode(payload, hello);
+  if (verdict == Verdict::wrong_version)
+    refusal_ = {PeerRefusal::Reason::version, hello.protocol_version, 0};
+  if (verdict != Verdict::accepted) return verdict;
+  if (hello.role != kSender<In>) return Verdict::wrong_role;
+  if (hello.scene_hash != config_.scene_hash) {
+    refusal_ = {PeerRefusal::Reason::scene, hello.protocol_version, hello.scene_hash};
+    return Verdict::wrong_scene;
+  }
+  if (retired(hello.session)) return Verdict::foreign_session;
+  if (!peer_ || peer_->session != hello.session) take_over(hello);
+  refusal_ = {};
+  return Verdict::accepted;
+}
+
+template <typename Out, typename In>
+void Link<Out, In>::take_over(const Hello& hello) noexcept {
+  if (peer_) retired_[retirements_++ % retired_.size()] = peer_->session;
+  peer_ = hello;
+  window_ = {};
+  clock_.clear();
+  newest_.reset();
+  next_hello_.reset();  // it waits for ours
+  lost_before_ = quality_.lost;
+  quality_.round_trip_known = false;
+  quality_.round_trip = quality_.jitter = {};
+}
+
+template <typename Out, typename In>
+bool Link<Out, In>::retired(std::uint64_t session) const noexcept {
+  return std::find(retired_.begin(), retired_.end(), session) != retired_.end();
+}
+
+template <typename Out, typename In>
+Verdict Link<Out, In>::on_data(std::span<const std::byte> payload, TimePoint now) noexcept {
+  Header header;
+  const Verdict verdict = codec_.decode(payload, header, incoming_);
+  if (verdict != Verdict::accepted) return verdict;
+  if (!peer_ || header.session != peer_->session) return Verdict::foreign_session;
+  if (header.peer_session != config_.session) return Verdict::other_recipient;
+  if (header.echo_sequence > sequence_ || header.echo_sent > stamp(now.time_since_epoch()))
+    return Verdict::bad_echo;
+
+  const SequenceWindow::Place place = window_.admit(header.sequence);
+  quality_.lost = lost_before_ + window_.skipped();
+  if (place == SequenceWindow::Place::duplicate) return Verdict::duplicate;
+  if (place == SequenceWindow::Place::late) ++quality_.reordered;
+  if (place != SequenceWindow::Place::newest) return Verdict::older;
+  accept(header, now);
+  return Verdict::accepted;
+}
+
+template <typename Out, typename In>
+void Link<Out, In>::accept(const Header& header, TimePoint now) noexcept {
+  measure(header, now);
+  const Duration sent = duration(header.sent);
+  const ClockEstimate clock = clock_.estimate();
+  const Duration transit = now.time_since_epoch() - sent + clock.offset;
+  newest_ = {.message = incoming_,
+             .sequence = header.sequence,
+             .received = now,
+             .sent = sent,
+             .transit = clock.valid ? std::max(transit, Duration::zero()) : Duration::zero(),
+             .transit_known = clock.valid};
+}
+
+template <typename Out, typename In>
+void Link<Out, In>::measure(const Header& header, TimePoint now) noexcept {
+  const Duration sent = duration(header.sent);
+  if (newest_) {
+    const Duration change = (now - newest_->received) - (sent - newest_->sent);
+    quality_.jitter += (std::chrono::abs(change) - quality_.jitter) / 16;
+  }
+  if (header.echo_sequence == 0) return;
+  const Exchange x{.t1 = duration(header.echo_sent),
+                   .t2 = sent - duration(header.echo_hold),
+                   .t3 = sent,
+                   .t4 = now.time_since_epoch()};
+  quality_.round_trip_known = true;
+  quality_.round_trip = std::max(x.t4 - x.t1 - (x.t3 - x.t2), Duration::zero());
+  if (x.t3 - x.t2 <= kMaxHold) clock_.add(x);
+}
+
+template class Link<MasterToSlave, SlaveToMaster>;
+template class Link<SlaveToMaster, MasterToSlave>;
+
+}  // namespace farhand

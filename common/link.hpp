@@ -1,0 +1,142 @@
+// One end of the connection: sessions, newest-wins, counters and clocks. No socket and no clock of
+// its own: the shell passes datagrams and times in and sends what comes out. The same two ends
+// therefore run over UDP, or back to back in one process in virtual time.
+//
+// Handshake: each side says hello until it has its peer's hello and data that answers its own
+// session. A hello with a new session takes the place of the old peer, whose datagrams are dropped
+// from then on, so either side may restart at any time. Data flows as soon as the peer is known.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/clock_sync.hpp"
+#include "common/codec.hpp"
+#include "common/sequence_window.hpp"
+#include "common/time.hpp"
+#include "common/wire.hpp"
+
+namespace farhand {
+
+struct LinkConfig {
+  std::uint64_t session = 0;  // random, not 0, another one at every start
+  std::uint64_t scene_hash = 0;
+  std::uint32_t capabilities = 0;
+  Duration hello_period = std::chrono::milliseconds(100);
+  Duration silence = std::chrono::milliseconds(500);  // without data for so long: hello again
+};
+
+// received == accepted() + dropped(), always.
+struct LinkCounters {
+  std::uint64_t received = 0;
+  std::array<std::uint64_t, kVerdicts> by_verdict{};
+  std::uint64_t refused_to_send = 0;  // own messages that were not valid
+
+  std::uint64_t operator[](Verdict v) const noexcept {
+    return by_verdict[static_cast<std::size_t>(v)];
+  }
+  std::uint64_t accepted() const noexcept { return (*this)[Verdict::accepted]; }
+  std::uint64_t dropped() const noexcept;
+};
+
+// How the network treats the peer's data. Counts run on over the peer's restarts.
+struct LinkQuality {
+  bool round_trip_known = false;
+  Duration round_trip{};   // of the last exchange, the peer's hold taken off
+  Duration jitter{};       // mean change of the transit time between datagrams (RFC 3550, 6.4.1)
+  std::uint64_t lost = 0;  // skipped in the sequence and not come since
+  std::uint64_t reordered = 0;  // came after a newer one
+};
+
+// Why a peer's hello was refused, for the user; cleared by a hello that is not.
+struct PeerRefusal {
+  enum class Reason : std::uint8_t { none, version, scene } reason = Reason::none;
+  std::uint32_t peer_version = 0;
+  std::uint64_t peer_scene_hash = 0;  // known only if the version matches
+};
+
+template <typename In>
+struct Received {
+  In message;
+  std::uint64_t sequence = 0;
+  TimePoint received{};  // our clock
+  Duration sent{};       // the peer's clock, since its epoch
+  Duration transit{};    // estimate of the way here, as of its arrival; 0 while unknown
+  bool transit_known = false;
+
+  Duration age(TimePoint now) const noexcept { return now - received + transit; }
+};
+
+// Times passed in are not before their clock's epoch and never decrease.
+template <typename Out, typename In>
+class Link {
+ public:
+  explicit Link(const LinkConfig& config);
+
+  // The next data datagram, valid until the next call of encode. Empty before the peer's hello, and
+  // for a message that is not valid (counted).
+  std::span<const std::byte> encode(const Out& message, TimePoint now) noexcept;
+
+  // A hello if one is due now, which makes the next one due a period later; otherwise empty. Valid
+  // until the next call of hello_due.
+  std::span<const std::byte> hello_due(TimePoint now) noexcept;
+
+  // Only `accepted` changes what the link knows of its peer (and a refused hello, peer_refusal).
+  Verdict receive(std::span<const std::byte> datagram, TimePoint now) noexcept;
+
+  // The newest message of the present peer; nullptr before the first.
+  const Received<In>* newest() const noexcept { return newest_ ? &*newest_ : nullptr; }
+  // The newest one arrived at most `limit` ago.
+  bool fresh(TimePoint now, Duration limit) const noexcept {
+    return newest_ && now - newest_->received <= limit;
+  }
+  // Hellos are exchanged and the peer's data has answered our session. Silence does not end it.
+  bool connected() const noexcept { return newest_.has_value(); }
+
+  const std::optional<Hello>& peer() const noexcept { return peer_; }
+  const PeerRefusal& peer_refusal() const noexcept { return refusal_; }
+  const LinkCounters& counters() const noexcept { return counters_; }
+  const LinkQuality& quality() const noexcept { return quality_; }
+  ClockEstimate clock() const noexcept { return clock_.estimate(); }
+
+ private:
+  using Datagram = std::array<std::byte, kMaxDatagramBytes>;
+
+  Verdict judge(std::span<const std::byte> datagram, TimePoint now) noexcept;
+  Verdict on_hello(std::span<const std::byte> payload) noexcept;
+  Verdict on_data(std::span<const std::byte> payload, TimePoint now) noexcept;
+  void take_over(const Hello& hello) noexcept;
+  bool retired(std::uint64_t session) const noexcept;
+  void accept(const Header& header, TimePoint now) noexcept;
+  void measure(const Header& header, TimePoint now) noexcept;
+
+  LinkConfig config_;
+  Codec codec_;
+  std::array<std::byte, kMaxPayloadBytes> payload_{};
+  Datagram data_{}, hello_{};
+  std::uint64_t sequence_ = 0;
+  std::optional<TimePoint> next_hello_;  // nothing: at once
+
+  std::optional<Hello> peer_;
+  std::array<std::uint64_t, 8> retired_{};  // the peer's former sessions, the last ones
+  std::size_t retirements_ = 0;
+  SequenceWindow window_;
+  ClockSync clock_;
+  std::optional<Received<In>> newest_;
+  In incoming_;
+
+  std::uint64_t lost_before_ = 0;  // by former sessions
+  LinkCounters counters_;
+  LinkQuality quality_;
+  PeerRefusal refusal_;
+};
+
+using MasterLink = Link<MasterToSlave, SlaveToMaster>;
+using SlaveLink = Link<SlaveToMaster, MasterToSlave>;
+
+extern template class Link<MasterToSlave, SlaveToMaster>;
+extern template class Link<SlaveToMaster, MasterToSlave>;
+
+}  // namespace farhand

@@ -1,0 +1,182 @@
+#include "common/udp.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
+#include <charconv>
+#include <stdexcept>
+
+namespace farhand {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+
+udp::endpoint to_endpoint(const UdpAddress& a) noexcept {
+  if (a.v6) return {asio::ip::address_v6(a.bytes, a.scope), a.port};
+  asio::ip::address_v4::bytes_type v4;
+  std::copy_n(a.bytes.begin(), v4.size(), v4.begin());
+  return {asio::ip::address_v4(v4), a.port};
+}
+
+UdpAddress from_endpoint(const udp::endpoint& e) noexcept {
+  UdpAddress a{.port = e.port(), .v6 = e.address().is_v6()};
+  if (a.v6) {
+    const asio::ip::address_v6 v6 = e.address().to_v6();
+    a.bytes = v6.to_bytes();
+    a.scope = static_cast<std::uint32_t>(v6.scope_id());
+  } else {
+    const auto v4 = e.address().to_v4().to_bytes();
+    std::copy(v4.begin(), v4.end(), a.bytes.begin());
+  }
+  return a;
+}
+
+[[noreturn]] void refuse(const std::string& what, const UdpAddress& address, const error_code& ec,
+                         const std::string& remedy) {
+  throw std::runtime_error("udp: cannot " + what + " " + to_string(address) + " (" + ec.message() +
+                           "); " + remedy);
+}
+
+std::string bind_remedy(const error_code& ec) {
+  if (ec == asio::error::address_in_use)
+    return "another program has this port: stop it or choose another port";
+  if (ec == asio::error::access_denied) return "choose a port of 1024 or above";
+  return "choose an address of this host, or 0.0.0.0 for all of them";
+}
+
+}  // namespace
+
+UdpAddress parse_udp_address(const std::string& text) {
+  const auto fail = [&] {
+    throw std::invalid_argument("udp: '" + text +
+                                "' is not an address and port; write them as numbers, such as "
+                                "10.0.0.2:5555 or [fe80::1%eth0]:5555");
+  };
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) fail();
+  std::string host = text.substr(0, colon);
+  const bool brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
+  if (brackets) host = host.substr(1, host.size() - 2);
+  std::uint16_t port = 0;
+  const char* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data() + colon + 1, end, port);
+  error_code ec;
+  const asio::ip::address address = asio::ip::make_address(host, ec);
+  if (ec || parsed.ec != std::errc() || parsed.ptr != end || address.is_v6() != brackets) fail();
+  return from_endpoint({address, port});
+}
+
+std::string to_string(const UdpAddress& address) {
+  const std::string host = to_endpoint(address).address().to_string();
+  return (address.v6 ? "[" + host + "]" : host) + ":" + std::to_string(address.port);
+}
+
+struct UdpSocket::State {
+  asio::io_context context;
+  udp::socket socket{context};
+  UdpAddress local;
+  std::optional<UdpAddress> peer;
+  udp::endpoint peer_endpoint;
+  bool fixed = false;
+  UdpCounters counters;
+};
+
+UdpSocket::UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& fixed_peer)
+    : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  const udp::endpoint at = to_endpoint(local);
+  error_code ec;
+  s.socket.open(at.protocol(), ec);
+  if (!ec) s.socket.non_blocking(true, ec);
+  if (ec) refuse("open a socket for", local, ec, "check that this host has such a network");
+  s.socket.bind(at, ec);
+  if (ec) refuse("bind", local, ec, bind_remedy(ec));
+  if (fixed_peer) {
+    set_peer(*fixed_peer);
+    s.fixed = true;
+    s.socket.connect(s.peer_endpoint, ec);
+    if (ec) refuse("reach", *fixed_peer, ec, "check the peer's address, the cable and the routes");
+  }
+  s.local = from_endpoint(s.socket.local_endpoint());
+}
+
+UdpSocket::~UdpSocket() = default;
+UdpSocket::UdpSocket(UdpSocket&&) noexcept = default;
+UdpSocket& UdpSocket::operator=(UdpSocket&&) noexcept = default;
+
+UdpAddress UdpSocket::local() const noexcept {
+  return state_->local;
+}
+const std::optional<UdpAddress>& UdpSocket::peer() const noexcept {
+  return state_->peer;
+}
+const UdpCounters& UdpSocket::counters() const noexcept {
+  return state_->counters;
+}
+
+void UdpSocket::set_peer(const UdpAddress& peer) noexcept {
+  if (state_->fixed) return;
+  state_->peer = peer;
+  state_->peer_endpoint = to_endpoint(peer);
+}
+
+bool UdpSocket::send(std::span<const std::byte> datagram) noexcept {
+  State& s = *state_;
+  if (datagram.empty()) return false;
+  const auto buffer = asio::buffer(datagram.data(), datagram.size());
+  error_code ec = asio::error::not_connected;
+  const auto attempt = [&] {
+    if (s.fixed) s.socket.send(buffer, 0, ec);
+    if (!s.fixed && s.peer) s.socket.send_to(buffer, s.peer_endpoint, 0, ec);
+  };
+  attempt();
+  if (ec == asio::error::connection_refused) {  // about an earlier datagram; this one did not go
+    ++s.counters.refused;
+    attempt();
+  }
+  if (!ec) ++s.counters.sent;
+  if (ec == asio::error::would_block) ++s.counters.send_would_block;
+  if (ec && ec != asio::error::would_block) ++s.counters.send_failed;
+  return !ec;
+}
+
+std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffer) noexcept {
+  State& s = *state_;
+  udp::endpoint from;
+  error_code ec;
+  const auto attempt = [&] {
+    return s.socket.receive_from(asio::buffer(buffer.data(), buffer.size()), from, 0, ec);
+  };
+  std::size_t size = attempt();
+  if (ec == asio::error::connection_refused) {
+    ++s.counters.refused;
+    size = attempt();
+  }
+  if (ec == asio::error::would_block) return std::nullopt;
+  if (ec) {
+    ++s.counters.receive_failed;
+    return std::nullopt;
+  }
+  ++s.counters.received;
+  return Received{size, from_endpoint(from)};
+}
+
+bool UdpSocket::wait_readable(TimePoint deadline) noexcept {
+  pollfd fd{.fd = state_->socket.native_handle(), .events = POLLIN, .revents = 0};
+  for (;;) {
+    const TimePoint now = std::chrono::steady_clock::now();
+    const Duration left = std::max(deadline - now, Duration::zero());
+    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
+                           .tv_nsec = static_cast<long>((left - whole).count())};
+    const int ready = ppoll(&fd, 1, &timeout, nullptr);
+    if (ready > 0) return true;
+    if (ready == 0 && left == Duration::zero()) return false;
+  }
+}
+
+}  // namespace farhand

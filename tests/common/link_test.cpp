@@ -1,0 +1,372 @@
+#include "common/link.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <vector>
+
+#include "common/channel.hpp"
+#include "common/impairment.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/messages.hpp"
+
+namespace farhand {
+namespace {
+
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::byte>;
+
+constexpr std::uint64_t kScene = 0x5ce4e;
+constexpr TimePoint kStart{1h};
+
+Bytes copy(std::span<const std::byte> bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+MasterToSlave numbered(std::uint32_t n) {
+  MasterToSlave m;
+  m.clutch_presses = n;
+  return m;
+}
+
+// A master and a slave with nothing between them but this test.
+class LinkTest : public testing::Test {
+ protected:
+  // Both hellos across, and one message each way.
+  void connect() {
+    slave.receive(copy(master.hello_due(now)), now);
+    master.receive(copy(slave.hello_due(now)), now);
+    slave.receive(copy(master.encode(numbered(0), now)), now);
+    master.receive(copy(slave.encode({}, now)), now);
+    ASSERT_TRUE(master.connected() && slave.connected());
+  }
+  Bytes next(std::uint32_t n = 0) { return copy(master.encode(numbered(n), now)); }
+
+  // A datagram from the master's session, with the header changed by f.
+  Bytes forged(const std::function<void(Header&)>& f, const MasterToSlave& m = {}) {
+    Header h{.session = 1, .peer_session = 2, .sequence = 1000, .sent = 1};
+    f(h);
+    std::array<std::byte, kMaxPayloadBytes> payload;
+    Bytes out(kMaxDatagramBytes);
+    out.resize(seal(std::span(payload).first(codec.encode(h, m, payload)), out));
+    return out;
+  }
+  Bytes hello(const Hello& h) {
+    std::array<std::byte, kMaxPayloadBytes> payload;
+    Bytes out(kMaxDatagramBytes);
+    out.resize(seal(std::span(payload).first(codec.encode(h, payload)), out));
+    return out;
+  }
+  void expect_dropped(const Bytes& datagram, Verdict reason) {
+    const LinkCounters before = slave.counters();
+    const std::uint64_t newest = slave.newest() != nullptr ? slave.newest()->sequence : 0;
+    EXPECT_EQ(slave.receive(datagram, now), reason) << to_string(reason);
+    EXPECT_EQ(slave.counters()[reason], before[reason] + 1) << to_string(reason);
+    EXPECT_EQ(slave.counters().dropped(), before.dropped() + 1) << to_string(reason);
+    EXPECT_EQ(slave.counters().accepted(), before.accepted());
+    EXPECT_EQ(slave.newest() != nullptr ? slave.newest()->sequence : 0, newest);
+    EXPECT_EQ(slave.counters().received, slave.counters().accepted() + slave.counters().dropped());
+  }
+
+  TimePoint now = kStart;
+  MasterLink master{{.session = 1, .scene_hash = kScene, .capabilities = kForceWanted}};
+  SlaveLink slave{{.session = 2, .scene_hash = kScene}};
+  Codec codec;
+};
+
+TEST_F(LinkTest, ShakesHandsAndCarriesMessagesBothWays) {
+  EXPECT_FALSE(master.connected() || slave.connected());
+  EXPECT_TRUE(master.encode({}, now).empty());  // to nobody yet
+  connect();
+  EXPECT_EQ(slave.peer()->capabilities, kForceWanted);
+  Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    now += 1ms;
+    MasterToSlave down;
+    SlaveToMaster up;
+    randomise(random, down);
+    randomise(random, up);
+    ASSERT_EQ(slave.receive(master.encode(down, now), now), Verdict::accepted);
+    ASSERT_EQ(master.receive(slave.encode(up, now), now), Verdict::accepted);
+    ASSERT_TRUE(same(slave.newest()->message, down) && same(master.newest()->message, up));
+    ASSERT_EQ(slave.newest()->received, now);
+  }
+  EXPECT_EQ(slave.counters().dropped(), 0u);
+  EXPECT_EQ(slave.quality().lost, 0u);
+}
+
+TEST_F(LinkTest, SaysHelloOnceAPeriodUntilAnsweredAndAgainInSilence) {
+  EXPECT_FALSE(master.hello_due(now).empty());
+  EXPECT_TRUE(master.hello_due(now).empty());
+  EXPECT_TRUE(master.hello_due(now + 99ms).empty());
+  EXPECT_FALSE(master.hello_due(now + 100ms).empty());
+  now += 200ms;
+  connect();
+  EXPECT_TRUE(master.hello_due(now + 500ms).empty());
+  EXPECT_FALSE(master.hello_due(now + 501ms).empty());
+  EXPECT_TRUE(master.connected());  // silence alone does not end it
+}
+
+TEST_F(LinkTest, AHelloFromANewPeerIsAnsweredAtOnce) {
+  EXPECT_FALSE(master.hello_due(now).empty());
+  now += 10ms;
+  master.receive(slave.hello_due(now), now);
+  EXPECT_FALSE(master.hello_due(now).empty());
+}
+
+TEST_F(LinkTest, EveryReasonToDropHasItsCounter) {
+  connect();
+  const Bytes good = next(), older = next();
+  ASSERT_EQ(slave.receive(good, now), Verdict::accepted);
+  const auto changed = [&](std::size_t at, auto f) {
+    Bytes bad = next();
+    bad[at] ^= std::byte{1};
+    f(bad);
+    return bad;
+  };
+  const auto nothing = [](Bytes&) {};
+  expect_dropped({}, Verdict::too_short);
+  expect_dropped(Bytes(kMaxDatagramBytes + 1), Verdict::too_long);
+  expect_dropped(changed(0, nothing), Verdict::bad_magic);
+  expect_dropped(changed(8, [](Bytes& b) { b.pop_back(); }), Verdict::bad_length);
+  expect_dropped(changed(100, nothing), Verdict::bad_checksum);
+  Bytes strange(kMaxDatagramBytes);
+  strange.resize(seal(Bytes(20, std::byte{9}), strange));
+  expect_dropped(strange, Verdict::unexpected_type);
+  expect_dropped(copy(slave.encode({}, now)), Verdict::wrong_role);
+  expect_dropped(hello({.role = Role::slave, .session = 5, .scene_hash = kScene}),
+                 Verdict::wrong_role);
+  Bytes cut(kMaxDatagramBytes);
+  cut.resize(seal(Bytes(20, std::byte{2}), cut));
+  expect_dropped(cut, Verdict::malformed);
+  expect_dropped(hello({.protocol_version = 99, .session = 5, .scene_hash = kScene}),
+                 Verdict::wrong_version);
+  expect_dropped(hello({.session = 5, .scene_hash = kScene + 1}), Verdict::wrong_scene);
+  expect_dropped(forged([](Header& h) { h.session = 77; }), Verdict::foreign_session);
+  expect_dropped(forged([](Header& h) { h.peer_session = 77; }), Verdict::other_recipient);
+  expect_dropped(forged([](Header& h) { h.echo_sequence = 77; }), Verdict::bad_echo);
+  expect_dropped(forged([&](Header& h) {
+                   h.echo_sent = static_cast<std::uint64_t>((now.time_since_epoch() + 1ns).count());
+                 }),
+                 Verdict::bad_echo);
+  expect_dropped(good, Verdict::duplicate);
+  ASSERT_EQ(slave.receive(next(), now), Verdict::accepted);
+  expect_dropped(older, Verdict::older);
+  for (std::size_t v = 0; v < kVerdicts; ++v)
+    EXPECT_GT(slave.counters().by_verdict[v], 0u) << to_string(static_cast<Verdict>(v));
+}
+
+TEST_F(LinkTest, DataBeforeTheHelloIsForeign) {
+  master.receive(slave.hello_due(now), now);
+  expect_dropped(next(), Verdict::foreign_session);
+  EXPECT_FALSE(slave.connected());
+}
+
+TEST_F(LinkTest, NewestWinsAndTheRestIsAccountedFor) {
+  connect();
+  std::vector<Bytes> sent;
+  for (std::uint32_t i = 0; i < 10; ++i) sent.push_back(next(i));
+  const auto deliver = [&](std::size_t i) { return slave.receive(sent[i], now); };
+  EXPECT_EQ(deliver(0), Verdict::accepted);
+  EXPECT_EQ(deliver(4), Verdict::accepted);
+  EXPECT_EQ(slave.quality().lost, 3u);
+  EXPECT_EQ(deliver(2), Verdict::older);
+  EXPECT_EQ(slave.newest()->message.clutch_presses, 4u);
+  EXPECT_EQ(slave.quality().lost, 2u);
+  EXPECT_EQ(slave.quality().reordered, 1u);
+  EXPECT_EQ(deliver(2), Verdict::duplicate);
+  EXPECT_EQ(deliver(4), Verdict::duplicate);
+  EXPECT_EQ(deliver(9), Verdict::accepted);
+  EXPECT_EQ(slave.quality().lost, 6u);
+  EXPECT_EQ(slave.quality().reordered, 1u);
+  EXPECT_EQ(slave.newest()->message.clutch_presses, 9u);
+}
+
+TEST_F(LinkTest, FreshIsAMatterOfArrival) {
+  EXPECT_FALSE(slave.fresh(now, 1h));
+  connect();
+  EXPECT_TRUE(slave.fresh(now + 20ms, 20ms));
+  EXPECT_FALSE(slave.fresh(now + 20ms + 1ns, 20ms));
+}
+
+TEST_F(LinkTest, WhatThePeerWouldRefuseIsNotSent) {
+  connect();
+  MasterToSlave broken;
+  broken.p_MH.x() = NAN;
+  EXPECT_TRUE(master.encode(broken, now).empty());
+  EXPECT_EQ(master.counters().refused_to_send, 1u);
+  EXPECT_EQ(slave.receive(next(), now), Verdict::accepted);
+  EXPECT_EQ(slave.quality().lost, 0u);  // and takes no number
+}
+
+TEST_F(LinkTest, TheRefusedPeerSaysWhyUntilItMends) {
+  EXPECT_EQ(slave.peer_refusal().reason, PeerRefusal::Reason::none);
+  slave.receive(hello({.protocol_version = 9, .session = 5, .scene_hash = kScene}), now);
+  EXPECT_EQ(slave.peer_refusal().reason, PeerRefusal::Reason::version);
+  EXPECT_EQ(slave.peer_refusal().peer_version, 9u);
+  slave.receive(hello({.session = 5, .scene_hash = 17}), now);
+  EXPECT_EQ(slave.peer_refusal().reason, PeerRefusal::Reason::scene);
+  EXPECT_EQ(slave.peer_refusal().peer_scene_hash, 17u);
+  EXPECT_FALSE(slave.peer().has_value());
+  slave.receive(hello({.session = 5, .scene_hash = kScene}), now);
+  EXPECT_EQ(slave.peer_refusal().reason, PeerRefusal::Reason::none);
+  EXPECT_EQ(slave.peer()->session, 5u);
+}
+
+TEST_F(LinkTest, ARestartedPeerTakesThePlaceOfTheOldOneForGood) {
+  connect();
+  const Bytes old_hello = hello({.session = 1, .scene_hash = kScene}), old_data = next();
+  MasterLink again({.session = 11, .scene_hash = kScene});
+  ASSERT_EQ(slave.receive(again.hello_due(now), now), Verdict::accepted);
+  EXPECT_FALSE(slave.connected());
+  EXPECT_EQ(slave.newest(), nullptr);
+  EXPECT_FALSE(slave.clock().valid);
+  expect_dropped(old_data, Verdict::foreign_session);
+  expect_dropped(old_hello, Verdict::foreign_session);  // from the network's memory
+  ASSERT_EQ(again.receive(slave.hello_due(now), now), Verdict::accepted);
+  ASSERT_EQ(slave.receive(again.encode(numbered(5), now), now), Verdict::accepted);
+  EXPECT_EQ(slave.newest()->message.clutch_presses, 5u);
+}
+
+TEST_F(LinkTest, StampsGiveTheRoundTripTheAgeAndTheOffset) {
+  constexpr Duration kOffset = 5s, kWay = 8ms, kHold = 300us;  // the slave's clock is ahead
+  slave.receive(copy(master.hello_due(now)), now + kOffset);
+  master.receive(copy(slave.hello_due(now + kOffset)), now);
+  for (int i = 0; i < 20; ++i, now += 20ms) {
+    slave.receive(copy(master.encode({}, now)), now + kWay + kOffset);
+    const Bytes answer = copy(slave.encode({}, now + kWay + kHold + kOffset));
+    master.receive(answer, now + 2 * kWay + kHold);
+  }
+  now += 2 * kWay + kHold - 20ms;
+  EXPECT_EQ(master.quality().round_trip, 2 * kWay);
+  EXPECT_EQ(master.quality().jitter, 0s);
+  EXPECT_EQ(master.clock().offset, kOffset);
+  EXPECT_EQ(master.clock().uncertainty, kWay);
+  EXPECT_TRUE(master.newest()->transit_known);
+  EXPECT_EQ(master.newest()->age(now), kWay);
+  EXPECT_EQ(master.newest()->age(now + 3ms), kWay + 3ms);
+  EXPECT_EQ(slave.clock().offset, -kOffset);
+  EXPECT_EQ(slave.newest()->transit, kWay);
+}
+
+TEST_F(LinkTest, JitterConvergesOnTheMeanChangeOfTransit) {
+  connect();
+  for (int i = 0; i < 500; ++i) {  // 1 ms and 4 ms in turns: every change is 3 ms
+    now += 20ms;
+    slave.receive(next(), now + (i % 2 == 0 ? 1ms : 4ms));
+  }
+  EXPECT_NEAR(seconds(slave.quality().jitter), 3e-3, 1e-6);
+}
+
+TEST_F(LinkTest, TakesNothingFromTheHeapOnceBuilt) {
+  Random random(2);
+  Bytes junk(300);
+  EXPECT_EQ(allocations_in([&] {
+              for (int i = 0; i < 2000; ++i, now += 1ms) {
+                slave.receive(master.hello_due(now), now);
+                master.receive(slave.hello_due(now), now);
+                MasterToSlave down;
+                randomise(random, down);
+                slave.receive(master.encode(down, now), now);
+                master.receive(slave.encode({}, now), now);
+                junk[static_cast<std::size_t>(i) % junk.size()] = std::byte{1};
+                slave.receive(junk, now);
+              }
+            }),
+            0u);
+  EXPECT_TRUE(master.connected() && slave.connected());
+}
+
+// Both ends over bad networks in virtual time.
+struct World {
+  explicit World(const ImpairmentConfig& config, std::uint64_t seed)
+      : down(config, seed), up(config, seed + 1) {}
+
+  template <typename To>
+  void deliver(Impairment& network, To& to) {
+    std::array<std::byte, kMaxDatagramBytes> buffer;
+    while (network.next_due() && *network.next_due() <= now)
+      to.receive(network.pop(now, buffer), now);
+  }
+  template <typename From>
+  void offer(From& from, Impairment& network) {
+    for (const auto bytes : {from.hello_due(now), from.encode({}, now)})
+      if (!bytes.empty()) network.push(bytes, now);
+  }
+  void run(MasterLink& master, SlaveLink& slave, Duration time) {
+    for (const TimePoint end = now + time; now < end; now += 1ms) {
+      deliver(up, master);
+      deliver(down, slave);
+      offer(master, down);
+      offer(slave, up);
+    }
+  }
+
+  TimePoint now = kStart;
+  Impairment down, up;
+};
+
+constexpr ImpairmentConfig kBad{.delay_ms = 25,
+                                .jitter_ms = 3,
+                                .loss_ratio = 0.1,
+                                .duplicate_ratio = 0.05,
+                                .reorder_ratio = 0.02,
+                                .corrupt_ratio = 0.02};
+
+TEST(LinkOverABadNetwork, ARestartOfEitherSideReconnects) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    World world(kBad, seed);
+    std::optional<MasterLink> master;
+    std::optional<SlaveLink> slave;
+    master.emplace(LinkConfig{.session = 1, .scene_hash = kScene});
+    slave.emplace(LinkConfig{.session = 2, .scene_hash = kScene});
+    world.run(*master, *slave, 2s);
+    const auto well = [&] {
+      return master->fresh(world.now, 60ms) && slave->fresh(world.now, 60ms);
+    };
+    ASSERT_TRUE(well()) << "seed " << seed;
+    for (std::uint64_t restart = 0; restart < 12; ++restart) {
+      const LinkConfig config{.session = 100 + restart, .scene_hash = kScene};
+      if (restart % 3 != 1) master.emplace(config);  // alone, or both at once
+      if (restart % 3 != 0) slave.emplace(LinkConfig{200 + restart, kScene});
+      world.run(*master, *slave, 1s);
+      ASSERT_TRUE(well()) << "seed " << seed << " restart " << restart;
+    }
+  }
+}
+
+TEST(LinkOverABadNetwork, LossesAndReorderingAreTheNetworks) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    World world(kBad, seed);
+    MasterLink master({.session = 1, .scene_hash = kScene});
+    SlaveLink slave({.session = 2, .scene_hash = kScene});
+    world.run(master, slave, 60s);
+    const LinkCounters& c = slave.counters();
+    EXPECT_EQ(c.received, world.down.counters().popped);
+    EXPECT_EQ(c.received, c.accepted() + c.dropped()) << "seed " << seed;
+    const ImpairmentCounters& network = world.down.counters();
+    const double gone = static_cast<double>(network.lost + network.corrupted);
+    EXPECT_NEAR(static_cast<double>(slave.quality().lost), gone, 100) << "seed " << seed;
+    EXPECT_EQ(slave.quality().reordered, c[Verdict::older]);
+    EXPECT_GT(c[Verdict::older], 1000u);
+    EXPECT_GT(c[Verdict::duplicate], 1000u);
+    EXPECT_NEAR(seconds(slave.clock().offset), 0, 1.5e-3) << "seed " << seed;
+    EXPECT_GE(slave.clock().round_trip, 50ms);
+  }
+}
+
+TEST(LinkOverABadNetwork, ABlackoutEndsByItself) {
+  World world({.delay_ms = 10}, 1);
+  MasterLink master({.session = 1, .scene_hash = kScene});
+  SlaveLink slave({.session = 2, .scene_hash = kScene});
+  world.run(master, slave, 1s);
+  world.now += 5s;  // what was under way arrives late, nothing was sent meanwhile
+  world.run(master, slave, 100ms);
+  EXPECT_TRUE(master.fresh(world.now, 2ms) && slave.fresh(world.now, 2ms));
+  EXPECT_EQ(slave.quality().lost, 0u);
+  EXPECT_EQ(slave.clock().offset, 0s);
+}
+
+}  // namespace
+}  // namespace farhand
