@@ -159,6 +159,7 @@ void Link<Out, In>::accept(const Header& header, TimePoint now) noexcept {
   const Duration transit = now.time_since_epoch() - sent + clock.offset;
   newest_ = {.message = incoming_,
              .sequence = header.sequence,
+             .echo_sequence = header.echo_sequence,
              .received = now,
              .sent = sent,
              .transit = clock.valid ? std::max(transit, Duration::zero()) : Duration::zero(),

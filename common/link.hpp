@@ -61,6 +61,7 @@ template <typename In>
 struct Received {
   In message;
   std::uint64_t sequence = 0;
+  std::uint64_t echo_sequence = 0;  // our newest that the peer had when it sent this
   TimePoint received{};  // our clock
   Duration sent{};       // the peer's clock, since its epoch
   Duration transit{};    // estimate of the way here, as of its arrival; 0 while unknown
@@ -94,6 +95,9 @@ class Link {
   }
   // Hellos are exchanged and the peer's data has answered our session. Silence does not end it.
   bool connected() const noexcept { return newest_.has_value(); }
+
+  // Of the last datagram encoded.
+  std::uint64_t sequence() const noexcept { return sequence_; }
 
   const std::optional<Hello>& peer() const noexcept { return peer_; }
   const PeerRefusal& peer_refusal() const noexcept { return refusal_; }

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
-#include <charconv>
 #include <stdexcept>
+
+#include "common/address.hpp"
 
 namespace farhand {
 namespace {
@@ -51,23 +52,14 @@ std::string bind_remedy(const error_code& ec) {
 }  // namespace
 
 UdpAddress parse_udp_address(const std::string& text) {
-  const auto fail = [&] {
+  const auto address = parse_address(text);
+  error_code ec;
+  const asio::ip::address host = address ? asio::ip::make_address(address->host, ec) : asio::ip::address();
+  if (!address || ec)
     throw std::invalid_argument("udp: '" + text +
                                 "' is not an address and port; write them as numbers, such as "
                                 "10.0.0.2:5555 or [fe80::1%eth0]:5555");
-  };
-  const std::size_t colon = text.rfind(':');
-  if (colon == std::string::npos) fail();
-  std::string host = text.substr(0, colon);
-  const bool brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
-  if (brackets) host = host.substr(1, host.size() - 2);
-  std::uint16_t port = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data() + colon + 1, end, port);
-  error_code ec;
-  const asio::ip::address address = asio::ip::make_address(host, ec);
-  if (ec || parsed.ec != std::errc() || parsed.ptr != end || address.is_v6() != brackets) fail();
-  return from_endpoint({address, port});
+  return from_endpoint({host, address->port});
 }
 
 std::string to_string(const UdpAddress& address) {

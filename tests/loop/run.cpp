@@ -46,17 +46,15 @@ class SettlingWatch {
   std::size_t next_ = 0;
 };
 
-Pose true_handle(const AnyDevice& device) {
-  return std::visit([](const auto& d) { return d.truth().X_MH; }, device);
+Vec3 true_handle(const AnyDevice& device) {
+  return std::visit([](const auto& d) -> Vec3 { return d.truth().state.p_MH; }, device);
 }
 
-// The tool pose the handle's true pose asks for, by the references the slave took.
-Vec3 wanted_tool(const Slave& slave, const Pose& X_MH) {
-  WorkspaceConfig config = slave.config().workspace;
-  config.position_step = config.rotation_step = 1e9;
-  WorkspaceState state = slave.workspace();
-  LimitSet ignored = 0;
-  return follow(config, state, X_MH, ignored).p;
+// Where the handle's true position asks the tool to be, by the references the slave took.
+Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
+  const WorkspaceState& w = slave.workspace();
+  const WorkspaceConfig& c = slave.config().workspace;
+  return w.X_SE0.p + c.scale * (c.R_SM * (p_MH - w.p_MH0));
 }
 
 }  // namespace
@@ -74,7 +72,7 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
     digest.add(t.reading.theta);
     digest.add(t.tau);
     if (t.position_controlled)
-      settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device()).p);
+      settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device()));
   };
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);

@@ -1,0 +1,209 @@
+#include "master/master.hpp"
+
+#include <gtest/gtest.h>
+
+namespace farhand {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A handle held still at home by a hand that is not there, and a slave whose answer is always the one set here.
+struct Rig {
+  explicit Rig(MasterConfig config = default_config()) : master(config) {
+    reading.theta = motor_angles(kTwinDelta, {}).theta1;
+  }
+
+  static MasterConfig default_config() {
+    MasterConfig c;
+    c.handle = TwinDeltaHandle{};
+    c.force_feedback.emplace();
+    c.force_feedback->controller.limits = {
+        .force = 20, .torque = 1, .twist_torque = 0.15, .force_step = 0.5, .torque_step = 0.025};
+    return c;
+  }
+
+  const MasterTick& tick(int times = 1) {
+    const MasterTick* t = nullptr;
+    for (int i = 0; i < times; ++i) {
+      now += milliseconds(1);
+      const Peer<SlaveToMaster> slave{.newest = &answer, .connected = connected, .age = age};
+      sent = master.sample(now, reading, slave);
+      t = &master.actuate(now, slave);
+      answer.coupled = sent.mode == Mode::engaged;
+    }
+    return *t;
+  }
+  void engage() {
+    reading.dead_man = false;
+    answer.mode = Mode::ready;
+    tick(2);
+    reading.dead_man = true;
+    tick();
+    answer.mode = Mode::engaged;
+  }
+
+  Master master;
+  HandleReading reading{.ok = true};
+  SlaveToMaster answer;
+  MasterToSlave sent;
+  bool connected = true;
+  Duration age{};
+  TimePoint now{};
+};
+
+// What the motors do to the hand, from their torques.
+Wrench felt(const MasterTick& t, const HandleReading& reading) {
+  const TwinDeltaForward at = forward(kTwinDelta, reading.theta);
+  return wrench(jacobian(kTwinDelta, at, t.handle.R_MG), t.tau);
+}
+
+TEST(Master, SendsTheHandlesPose) {
+  Rig rig;
+  rig.tick();
+  EXPECT_NEAR((rig.sent.p_MH - Vec3(0.18, 0, 0)).norm(), 0, 1e-14);
+  EXPECT_NEAR(rig.sent.q_MH.angularDistance(Quat::Identity()), 0, 1e-12);
+  EXPECT_EQ(rig.sent.V_MH.linear, Vec3::Zero());
+}
+
+TEST(Master, ReflectsTheContactForceThroughTheMotorsOnceEngaged) {
+  Rig rig;
+  rig.answer.F_E_M = {Vec3(-3, 2, 1), Vec3(0.05, -0.02, 0.01)};
+  rig.answer.mode = Mode::ready;
+  EXPECT_EQ(rig.tick(20).tau, Vec6::Zero());
+  rig.engage();
+  const MasterTick& t = rig.tick(100);
+  EXPECT_EQ(t.mode, Mode::engaged);
+  EXPECT_NEAR((felt(t, rig.reading).force + rig.answer.F_E_M.force).norm(), 0, 1e-12);
+  EXPECT_NEAR((felt(t, rig.reading).torque + rig.answer.F_E_M.torque).norm(), 0, 1e-12);
+}
+
+TEST(Master, TheForceOnTheHandNeverJumps) {
+  Rig rig;
+  rig.engage();
+  Wrench last = rig.tick().F_G;
+  const auto check = [&](int ticks) {
+    for (int k = 0; k < ticks; ++k) {
+      const MasterTick& t = rig.tick();
+      EXPECT_LE((t.F_G.force - last.force).norm(), 0.5 + 1e-12);
+      last = t.F_G;
+    }
+  };
+  rig.answer.F_E_M.force = Vec3(15, 0, 0);
+  check(60);
+  rig.answer.F_E_M.force = Vec3(-15, 0, 0);
+  check(100);
+  rig.reading.dead_man = false;
+  check(60);
+  EXPECT_EQ(rig.tick().tau, Vec6::Zero());
+}
+
+TEST(Master, AnOldWrenchIsHeldThenFadesAndTheEngagementEnds) {
+  MasterConfig config = Rig::default_config();
+  config.stale = milliseconds(500);
+  Rig rig(config);
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  rig.tick(50);
+  rig.age = milliseconds(20);
+  EXPECT_NEAR(rig.tick(20).F_env_G.force.x(), 4, 1e-12);
+  rig.age = milliseconds(60);
+  EXPECT_NEAR(rig.tick(20).F_env_G.force.x(), 2, 1e-12);
+  EXPECT_TRUE(rig.tick().limits & kLimitStale);
+  rig.age = milliseconds(100);
+  EXPECT_EQ(rig.tick(20).F_env_G.force.x(), 0);
+  rig.age = milliseconds(501);
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
+  rig.age = {};
+  EXPECT_EQ(rig.tick(50).mode, Mode::holding);
+  EXPECT_EQ(rig.tick().tau, Vec6::Zero());
+}
+
+TEST(Master, ASlaveThatStopsEndsTheEngagementUntilANewPress) {
+  Rig rig;
+  rig.engage();
+  rig.answer.mode = Mode::holding;
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
+  rig.answer.mode = Mode::ready;
+  EXPECT_EQ(rig.tick(10).mode, Mode::holding);
+  rig.reading.dead_man = false;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+  rig.reading.dead_man = true;
+  EXPECT_EQ(rig.tick().mode, Mode::engaged);
+}
+
+TEST(Master, ADeviceThatDoesNotReadReleasesTheMotors) {
+  Rig rig;
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  EXPECT_GT(rig.tick(50).tau.norm(), 0.01);
+  rig.reading.ok = false;
+  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
+}
+
+TEST(Master, AnglesThatNoHandleCanHaveKeepTheLastPoseAndEndTheEngagement) {
+  Rig rig;
+  rig.engage();
+  const Vec3 p = rig.sent.p_MH;
+  rig.reading.theta = Vec6::Constant(2.5);
+  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.sent.p_MH, p);
+  rig.reading.theta = Vec6::Constant(NAN);
+  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_TRUE(rig.tick().tau.allFinite());
+}
+
+TEST(Master, WithoutForceFeedbackTheMotorsStayAtZero) {
+  MasterConfig config = Rig::default_config();
+  config.force_feedback.reset();
+  Rig rig(config);
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
+  EXPECT_FALSE(rig.sent.force_wanted);
+}
+
+TEST(Master, ClutchFreesTheHandOfForce) {
+  Rig rig;
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  EXPECT_GT(rig.tick(50).F_G.force.norm(), 3.9);
+  rig.reading.clutch = true;
+  for (int k = 0; k < 50; ++k) {
+    rig.tick();
+    rig.answer.coupled = false;  // what the slave answers to the clutch
+    rig.tick();
+    rig.answer.coupled = false;
+  }
+  EXPECT_LT(rig.master.actuate(rig.now, {&rig.answer, true, {}}).F_G.force.norm(), 0.6);
+}
+
+TEST(Master, CountsPresses) {
+  Rig rig;
+  for (int k = 0; k < 3; ++k) {
+    rig.reading.dead_man = rig.reading.clutch = true;
+    rig.tick(2);
+    rig.reading.dead_man = rig.reading.clutch = false;
+    rig.tick(2);
+  }
+  EXPECT_EQ(rig.sent.dead_man_presses, 3u);
+  EXPECT_EQ(rig.sent.clutch_presses, 3u);
+}
+
+TEST(Master, FalconReflectsForceInItsOwnAxes) {
+  MasterConfig config = Rig::default_config();
+  config.handle = FalconHandle{};
+  Rig rig(config);
+  const Vec3 p(0.01, 0.005, 0.12);
+  rig.reading.theta.setZero();
+  rig.reading.theta.head<3>() = motor_angles(kFalconTable1, p).theta1;
+  rig.answer.F_E_M.force = Vec3(1, -2, 3);
+  rig.engage();
+  const MasterTick& t = rig.tick(100);
+  const Vec3 f = force(jacobian(kFalconTable1, p), t.tau.head<3>());
+  EXPECT_NEAR((f + rig.answer.F_E_M.force).norm(), 0, 1e-12);
+  EXPECT_EQ(t.tau.tail<3>(), Vec3::Zero());
+}
+
+}  // namespace
+}  // namespace farhand
