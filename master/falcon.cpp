@@ -118,8 +118,9 @@ FalconForward arms(const Vec3& theta1) noexcept {
   if (!theta1.allFinite()) return at;
   at.status = Status::no_solution;
   for (int i = 0; i < kLegs; ++i) {
-    at.cos1[i] = std::cos(theta1[i]);
-    at.sin1[i] = std::sin(theta1[i]);
+    const double angle = theta1[i];
+    at.cos1[i] = std::cos(angle);
+    at.sin1[i] = std::sin(angle);
   }
   return at;
 }
