@@ -13,79 +13,88 @@ struct Angle {
   double c, s;
 };
 
-// What pose and Jacobian are both made of. Elbow and wrist lie in the vertical plane of the arm,
-// (r, z) counted from the shoulder; the vectors are unit vectors in S axes.
-struct Chain {
-  Chain(const ArmGeometry& g, const Vec6& q) noexcept;
-
-  Angle j1, j2, j3, j4, j5, j6;
-  double elbow_r, elbow_z, wrist_r, wrist_z;
-  Vec3 axis4;  // along the forearm
-  Vec3 axis5;
-  Vec3 across;  // completes axis5 and the tool axis: d6 times it is what joint 5 does to the tool
-  Pose X_SE;
+// A vector in the axes of the arm's vertical plane: outward from axis 1, along axis 2, up. Plain
+// doubles, so that they stay in registers until a result is stored.
+struct Local {
+  double r, t, z;
 };
-
-Chain::Chain(const ArmGeometry& g, const Vec6& q) noexcept
-    : j1(q[0]), j2(q[1]), j3(q[2]), j4(q[3]), j5(q[4]), j6(q[5]) {
-  const double c23 = j2.c * j3.c - j2.s * j3.s, s23 = j2.s * j3.c + j2.c * j3.s;
-  elbow_r = g.a2 * j2.c;
-  elbow_z = g.a2 * j2.s;
-  wrist_r = elbow_r + g.d4 * s23;
-  wrist_z = elbow_z - g.d4 * c23;
-
-  const Vec3 x3(j1.c * c23, j1.s * c23, s23), y3(j1.s, -j1.c, 0);
-  axis4 = Vec3(j1.c * s23, j1.s * s23, -c23);
-  axis5 = j4.c * y3 - j4.s * x3;
-  const Vec3 x4 = j4.c * x3 + j4.s * y3;
-  across = j5.c * x4 - j5.s * axis4;
-  const Vec3 tool = j5.s * x4 + j5.c * axis4;
-  X_SE.R << j6.c * across + j6.s * axis5, j6.c * axis5 - j6.s * across, tool;
-  X_SE.p = Vec3(j1.c * wrist_r, j1.s * wrist_r, g.d1 + wrist_z) + g.d6 * tool;
+Local mix(double a, const Local& x, double b, const Local& y) noexcept {
+  return {a * x.r + b * y.r, a * x.t + b * y.t, a * x.z + b * y.z};
+}
+Vec3 in_S(const Angle& j1, const Local& v) noexcept {
+  return {j1.c * v.r + j1.s * v.t, j1.s * v.r - j1.c * v.t, v.z};
 }
 
-// The velocity of a point (r, z) of the arm's plane when it turns about the shoulder or elbow.
-Vec3 pitch(const Angle& j1, double r, double z) noexcept {
-  return {-j1.c * z, -j1.s * z, r};
+// What pose and Jacobian are both made of: unit vectors, and points counted from the shoulder.
+struct Chain {
+  Chain(const ArmGeometry& g, const Vec6& q) noexcept
+      : j1(q[0]), j2(q[1]), j3(q[2]), j4(q[3]), j5(q[4]), j6(q[5]) {
+    const double c23 = j2.c * j3.c - j2.s * j3.s, s23 = j2.s * j3.c + j2.c * j3.s;
+    axis4 = {s23, 0, -c23};
+    axis5 = {-j4.s * c23, j4.c, -j4.s * s23};
+    const Local x4{j4.c * c23, j4.s, j4.c * s23};
+    swing = mix(j5.c, x4, -j5.s, axis4);
+    axis6 = mix(j5.s, x4, j5.c, axis4);
+    elbow = {g.a2 * j2.c, 0, g.a2 * j2.s};
+    wrist = mix(1, elbow, g.d4, axis4);
+    tool = mix(1, wrist, g.d6, axis6);
+  }
+
+  Angle j1, j2, j3, j4, j5, j6;
+  Local axis4, axis5, axis6;
+  Local swing;  // where joint 5 swings axis 6 to
+  Local elbow, wrist, tool;
+};
+
+Vec3 point(const ArmGeometry& g, const Chain& k, const Local& p) noexcept {
+  return in_S(k.j1, p) + Vec3(0, 0, g.d1);
+}
+
+Pose tool_pose(const ArmGeometry& g, const Chain& k) noexcept {
+  Pose X_SE;
+  X_SE.R.col(0) = in_S(k.j1, mix(k.j6.c, k.swing, k.j6.s, k.axis5));
+  X_SE.R.col(1) = in_S(k.j1, mix(k.j6.c, k.axis5, -k.j6.s, k.swing));
+  X_SE.R.col(2) = in_S(k.j1, k.axis6);
+  X_SE.p = point(g, k, k.tool);
+  return X_SE;
 }
 
 ArmJacobian jacobian(const ArmGeometry& g, const Chain& k) noexcept {
-  const Vec3& p = k.X_SE.p;
-  const double r = k.j1.c * p.x() + k.j1.s * p.y(), z = p.z() - g.d1;
-  const Vec3 axis2(k.j1.s, -k.j1.c, 0);
+  const double d6s5 = g.d6 * k.j5.s;
+  const Local& p = k.tool;
   ArmJacobian J;
-  J.linear.col(0) << -p.y(), p.x(), 0;
-  J.linear.col(1) = pitch(k.j1, r, z);
-  J.linear.col(2) = pitch(k.j1, r - k.elbow_r, z - k.elbow_z);
-  J.linear.col(3) = g.d6 * k.j5.s * k.axis5;
-  J.linear.col(4) = g.d6 * k.across;
+  J.linear.col(0) = in_S(k.j1, {p.t, -p.r, 0});
+  J.linear.col(1) = in_S(k.j1, {-p.z, 0, p.r});
+  J.linear.col(2) = in_S(k.j1, {k.elbow.z - p.z, 0, p.r - k.elbow.r});
+  J.linear.col(3) = in_S(k.j1, {d6s5 * k.axis5.r, d6s5 * k.axis5.t, d6s5 * k.axis5.z});
+  J.linear.col(4) = in_S(k.j1, {g.d6 * k.swing.r, g.d6 * k.swing.t, g.d6 * k.swing.z});
   J.angular.col(0) = Vec3::UnitZ();
-  J.angular.col(1) = axis2;
-  J.angular.col(2) = axis2;
-  J.angular.col(3) = k.axis4;
-  J.angular.col(4) = k.axis5;
-  J.angular.col(5) = k.X_SE.R.col(2);
+  J.angular.col(1) = in_S(k.j1, {0, 1, 0});
+  J.angular.col(2) = J.angular.col(1);
+  J.angular.col(3) = in_S(k.j1, k.axis4);
+  J.angular.col(4) = in_S(k.j1, k.axis5);
+  J.angular.col(5) = in_S(k.j1, k.axis6);
   return J;
 }
 
 }  // namespace
 
-Pose forward(const ArmGeometry& geometry, const Vec6& q) noexcept {
-  return Chain(geometry, q).X_SE;
+Pose forward(const ArmGeometry& g, const Vec6& q) noexcept {
+  return tool_pose(g, Chain(g, q));
 }
 
 ArmKinematics kinematics(const ArmGeometry& g, const Vec6& q) noexcept {
   if (!q.allFinite()) return {};
   const Chain k(g, q);
   return {.status = Status::ok,
-          .X_SE = k.X_SE,
+          .X_SE = tool_pose(g, k),
           .J = jacobian(g, k),
           .singularity = {.wrist = std::abs(k.j5.s),
                           .elbow = std::abs(k.j3.c),
-                          .shoulder = std::abs(k.wrist_r)},
-          .p_S_elbow = {k.j1.c * k.elbow_r, k.j1.s * k.elbow_r, g.d1 + k.elbow_z},
-          .p_S_wrist = {k.j1.c * k.wrist_r, k.j1.s * k.wrist_r, g.d1 + k.wrist_z},
-          .r = k.wrist_r,
+                          .shoulder = std::abs(k.wrist.r)},
+          .p_S_elbow = point(g, k, k.elbow),
+          .p_S_wrist = point(g, k, k.wrist),
+          .r = k.wrist.r,
           .cos_q3 = k.j3.c,
           .sin_q5 = k.j5.s};
 }

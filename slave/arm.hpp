@@ -105,8 +105,9 @@ constexpr int row_of(const ArmBranch& b) noexcept {
 
 // All eight configurations of a pose, rows in the order of row_of, each angle in (-pi, pi]; limits
 // are not looked at. The regular formulas are used right up to the singularities and keep 1e-15 m
-// there. In one exactly, what the pose leaves open is taken from q_previous: q1 when the wrist
-// centre is on axis 1, q4 when axes 4 and 6 are in line; the rows on both sides then coincide.
+// there. In one to rounding, what the pose leaves open is taken from q_previous: q1 when the wrist
+// centre is within 5e-16 m of axis 1, q4 when axes 4 and 6 are in line within 2e-15 rad; the rows
+// on both sides then coincide.
 //
 // Not ok: too_far or too_close (the wrist centre misses its shell [|a2 - d4|, a2 + d4] about the
 // shoulder by `miss` > 1e-12 m; less than that is taken as the edge), not_finite, no_solution (X_SE
@@ -122,12 +123,13 @@ ArmInverse inverse_all(const ArmGeometry& geometry, const Pose& X_SE,
 
 // The configuration that continues the motion from q_previous. Shoulder and elbow stay those of
 // q_previous; of the two wrists the one sooner reached at full speed is taken, so q5 passes through
-// 0 without a half turn of q4 and q6. (Where |r| of q_previous is rounding, below 1e-15 m, its sign
+// 0 without a half turn of q4 and q6. (Where |r| of q_previous is rounding, below 5e-16 m, its sign
 // says nothing and the shoulder with the nearer q1 is taken.) Angles are unwrapped to be within
 // half a turn of q_previous.
 //
 // Status as inverse_all, and out_of_limits: a continuation outside the limits is refused, never
-// replaced by a leap to another turn or wrist; up to 1e-12 rad outside is rounding and put on the
+// replaced by a leap to another turn or wrist (only by the other wrist when that is within a tenth
+// as near); up to 1e-12 rad outside is rounding and put on the
 // limit. When not ok, q is q_previous (zero if that is not finite): holding it is the answer.
 struct ArmNearest {
   Status status = Status::not_finite;

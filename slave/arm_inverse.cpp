@@ -11,10 +11,15 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kEdge = 1e-12;              // [m] beyond the reach that counts as the edge
 constexpr double kRotationTolerance = 1e-9;  // on the six conditions of a rotation matrix
-constexpr double kRadiusRounding = 1e-15;    // [m] below which the sign of r is noise
-constexpr double kLimitRounding = 1e-12;     // [rad]
-constexpr double kSmallestSquare = 1e-280;   // below it a square root has lost its digits
+// Below these the direction of the wrist centre about axis 1, or of axis 6 about axis 4, is nothing
+// but the rounding of the pose: following it would turn joints at random for no gain in accuracy.
+constexpr double kOnAxis = 5e-16;         // [m]
+constexpr double kInLine = 2e-15;         // [rad]
+constexpr double kLimitRounding = 1e-12;  // [rad]
 constexpr double kJustBeyondQuarter = kPi / 2 * (1 + std::numeric_limits<double>::epsilon());
+
+constexpr double kAboutAsNear =
+    1.1;  // past the wrist singularity two rows may be a quarter turn off
 
 // atan2 in (-pi, pi]: a negative zero above the negative half-axis does not count as below it.
 double angle(double y, double x) noexcept {
@@ -73,7 +78,7 @@ WristCentre wrist_centre(const ArmGeometry& g, const Pose& X, const Vec6& q_prev
     w.status = Status::too_close;
     w.miss = within;
   }
-  w.r = r2 > kSmallestSquare ? std::sqrt(r2) : 0;
+  w.r = r2 > kOnAxis * kOnAxis ? std::sqrt(r2) : 0;
   // The product keeps the digits that 1 - sin^2 would lose at the edge of the reach. Both are then
   // put on the unit circle, so that what follows is consistent to rounding (Newton, one step).
   const double product = (sum - rho) * (sum + rho) * (rho - difference) * (rho + difference);
@@ -111,7 +116,7 @@ Plane plane(const ArmGeometry& g, const WristCentre& w, double r, int elbow,
   const double A = g.a2 + g.d4 * s3, B = g.d4 * c3;
   double x = r * A - w.z * B, y = w.z * A + r * B;
   double n2 = x * x + y * y;
-  if (!(n2 > kSmallestSquare)) {  // a2 = d4 folded onto the shoulder: any q2
+  if (!(n2 > 0)) {  // a2 = d4 folded onto the shoulder: any q2
     x = std::cos(q2_previous), y = std::sin(q2_previous), n2 = 1;
   }
   const double n = 1 / std::sqrt(n2), c2 = x * n, s2 = y * n;
@@ -131,7 +136,7 @@ Wrist wrist(const Mat3& R, const Shoulder& a, const Plane& b, double q4_previous
   const Vec3 Q1 = b.c23 * radial + b.s23 * R.row(2).transpose();
   const double Q33 = b.s23 * radial[2] - b.c23 * R(2, 2);
   const double h2 = Q1[2] * Q1[2] + Q2[2] * Q2[2];
-  const bool in_line = !(h2 > kSmallestSquare);
+  const bool in_line = !(h2 > kInLine * kInLine);
   const double h = in_line ? 0 : std::sqrt(h2);
   const double q4 = in_line ? q4_previous : angle(Q2[2], Q1[2]);
   const double c4 = in_line ? std::cos(q4) : Q1[2] / h, s4 = in_line ? std::sin(q4) : Q2[2] / h;
@@ -152,8 +157,7 @@ struct ArmSide {
 // The shoulder and elbow q stands in.
 ArmSide side_of(const ArmGeometry& g, const WristCentre& w, const Vec6& q) noexcept {
   const double r = g.a2 * std::cos(q[1]) + g.d4 * std::sin(q[1] + q[2]);
-  const double forward =
-      std::abs(r) > kRadiusRounding ? r : w.x * std::cos(q[0]) + w.y * std::sin(q[0]);
+  const double forward = std::abs(r) > kOnAxis ? r : w.x * std::cos(q[0]) + w.y * std::sin(q[0]);
   return {forward >= 0 ? 1 : -1, std::cos(q[2]) >= 0 ? 1 : -1};
 }
 
@@ -164,11 +168,9 @@ double continue_wrist(Vec6& q, const Wrist& w, const Vec6& previous, const Vec6&
   return ((q - previous).tail<3>().array().abs() / speed.tail<3>().array()).maxCoeff();
 }
 
-bool put_within(const JointLimits& limits, Vec6& q) noexcept {
-  const bool inside = ((q - limits.lower).array() >= -kLimitRounding).all() &&
-                      ((limits.upper - q).array() >= -kLimitRounding).all();
-  if (inside) q = q.cwiseMax(limits.lower).cwiseMin(limits.upper);
-  return inside;
+bool within(const JointLimits& limits, const Vec6& q) noexcept {
+  return ((q - limits.lower).array() >= -kLimitRounding).all() &&
+         ((limits.upper - q).array() >= -kLimitRounding).all();
 }
 
 }  // namespace
@@ -215,15 +217,16 @@ ArmNearest inverse(const ArmGeometry& g, const JointLimits& limits, const Pose& 
   q << unwrapped(a.q1, q_previous[0]), unwrapped(p.q2, q_previous[1]),
       unwrapped(elbow_angle(w, side.elbow), q_previous[2]), 0, 0, 0;
   other = q;
-  const double time = continue_wrist(q, k, q_previous, limits.speed);
-  const bool flip = continue_wrist(other, flipped(k), q_previous, limits.speed) < time;
-  if (flip) q = other;
+  double time = continue_wrist(q, k, q_previous, limits.speed);
+  double other_time = continue_wrist(other, flipped(k), q_previous, limits.speed);
+  if (other_time < time) q.swap(other), std::swap(time, other_time);
+  if (other_time < kAboutAsNear * time && !within(limits, q) && within(limits, other)) q = other;
 
   const bool negative = q[4] < 0 || (q[4] == 0 && q_previous[4] < 0);
   out.branch = {side.shoulder, side.elbow, negative ? -1 : 1};
   out.singularity = {.wrist = k.h, .elbow = w.cos_q3, .shoulder = w.r};
-  out.status = put_within(limits, q) ? Status::ok : Status::out_of_limits;
-  if (out.status == Status::ok) out.q = q;
+  out.status = within(limits, q) ? Status::ok : Status::out_of_limits;
+  if (out.status == Status::ok) out.q = q.cwiseMax(limits.lower).cwiseMin(limits.upper);
   return out;
 }
 

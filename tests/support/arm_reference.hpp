@@ -58,6 +58,49 @@ inline Pose rounded(const RealPose& X) {
   return out;
 }
 
+inline RealPose exact(const Pose& X) {
+  RealPose out;
+  for (int i = 0; i < 3; ++i)
+    out[static_cast<std::size_t>(i)] = {X.R(i, 0), X.R(i, 1), X.R(i, 2), X.p[i]};
+  return out;
+}
+
+// How far the wrist centre lies outside the shell of the reach; negative inside it.
+inline Real miss(const ArmGeometry& g, const Pose& X_SE) {
+  const RealPose X = exact(X_SE);
+  const auto w = [&](std::size_t i) { return X[i][3] - g.d6 * X[i][2]; };
+  const Real rho = std::hypot(w(0), w(1), w(2) - g.d1), a2 = g.a2, d4 = g.d4;
+  return std::max(rho - (a2 + d4), std::abs(a2 - d4) - rho);
+}
+
+// The row of the working branch (+1, +1, +1), straight from reference section 7.2.
+inline std::array<Real, 6> working_row(const ArmGeometry& g, const Pose& X_SE) {
+  const RealPose X = exact(X_SE);
+  const Real a2 = g.a2, d4 = g.d4;
+  const Real x = X[0][3] - g.d6 * X[0][2], y = X[1][3] - g.d6 * X[1][2];
+  const Real z = X[2][3] - g.d6 * X[2][2] - g.d1, r = std::hypot(x, y);
+  const Real D = (r * r + z * z - a2 * a2 - d4 * d4) / (2 * a2 * d4);
+  const Real q1 = std::atan2(y, x), q3 = std::atan2(D, std::sqrt((1 - D) * (1 + D)));
+  const Real A = a2 + d4 * std::sin(q3), B = d4 * std::cos(q3);
+  const Real q2 = std::atan2(z * A + r * B, r * A - z * B);
+  const Real c1 = std::cos(q1), s1 = std::sin(q1), c23 = std::cos(q2 + q3), s23 = std::sin(q2 + q3);
+  std::array<std::array<Real, 3>, 3> Q;
+  for (std::size_t j = 0; j < 3; ++j) {
+    const Real radial = c1 * X[0][j] + s1 * X[1][j];
+    Q[0][j] = c23 * radial + s23 * X[2][j];
+    Q[1][j] = s1 * X[0][j] - c1 * X[1][j];
+    Q[2][j] = s23 * radial - c23 * X[2][j];
+  }
+  const Real q4 = std::atan2(Q[1][2], Q[0][2]);
+  return {q1,
+          q2,
+          q3,
+          q4,
+          std::atan2(std::hypot(Q[0][2], Q[1][2]), Q[2][2]),
+          std::atan2(std::cos(q4) * Q[1][0] - std::sin(q4) * Q[0][0],
+                     std::cos(q4) * Q[1][1] - std::sin(q4) * Q[0][1])};
+}
+
 // Distance [m] and largest difference of an element of the rotation.
 struct PoseError {
   double position = 0, rotation = 0;
