@@ -32,7 +32,8 @@ SinCos<N> sincos(const double* angle) noexcept {
     const double shifted = x * kTwoOverPi + kRound;  // the quarter turn n sits in the low bits
     const auto quarter = std::bit_cast<std::uint64_t>(shifted);
     const double n = shifted - kRound;
-    const double r = ((x - n * kPart1) - n * kPart2) - n * kPart3;  // |r| <= pi/4
+    const double t = x - n * kPart1, part = n * kPart2, r = t - part;  // |r| <= pi/4
+    const double tail = ((t - r) - part) - n * kPart3;                 // what rounding took from r
     const double z = r * r, zz = z * z;
     // Taylor terms up to r^17 and r^16, what is left is below 2e-18.
     const double s_low = (-1.0 / 6 + z * (1.0 / 120)) + zz * (-1.0 / 5040 + z * (1.0 / 362880));
@@ -41,9 +42,10 @@ SinCos<N> sincos(const double* angle) noexcept {
     const double c_low = (1.0 / 24 + z * (-1.0 / 720)) + zz * (1.0 / 40320 + z * (-1.0 / 3628800));
     const double c_high =
         (1.0 / 479001600 + z * (-1.0 / 87178291200)) + zz * (1.0 / 20922789888000);
-    const double sine = r + r * z * (s_low + zz * zz * s_high);
     const double half = 0.5 * z, rest = 1 - half;
-    const double cosine = rest + (((1 - rest) - half) + zz * (c_low + zz * zz * c_high));
+    const double sine = r + (r * z * (s_low + zz * zz * s_high) + tail * rest);
+    const double cosine =
+        rest + (((1 - rest) - half) + (zz * (c_low + zz * zz * c_high) - tail * r));
     // Odd quarters swap the two; the signs follow from bit 1 of n and of n + 1.
     const std::uint64_t swap = -(quarter & 1);
     const auto a = std::bit_cast<std::uint64_t>(sine), b = std::bit_cast<std::uint64_t>(cosine);

@@ -63,7 +63,7 @@ inline JointTrig joint_trig(const Vec6& q) noexcept {
 struct ArmFrames {
   std::array<Vec3, 6> axis{};
   std::array<Vec3, 6> point{};
-  Pose X_SE;
+  Pose X_SE{};
 };
 ArmFrames arm_frames(const ArmDynamics& arm, const JointTrig& trig) noexcept;
 
