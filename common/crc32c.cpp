@@ -34,8 +34,10 @@ std::uint32_t crc32c(std::span<const std::byte> bytes) noexcept {
   std::size_t left = bytes.size();
   for (; left >= kSlices; left -= kSlices, p += kSlices) {
     const std::uint64_t x = load_little_endian<std::uint64_t>(p) ^ r;
-    r = 0;
-    for (std::size_t k = 0; k < kSlices; ++k) r ^= kTables[kSlices - 1 - k][(x >> (8 * k)) & 0xff];
+    const auto slice = [x](std::size_t k) {
+      return kTables[kSlices - 1 - k][(x >> (8 * k)) & 0xff];
+    };
+    r = slice(0) ^ slice(1) ^ slice(2) ^ slice(3) ^ slice(4) ^ slice(5) ^ slice(6) ^ slice(7);
   }
   for (; left > 0; --left, ++p)
     r = (r >> 8) ^ kTables[0][(r ^ static_cast<std::uint32_t>(*p)) & 0xff];
