@@ -3,8 +3,10 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -33,25 +35,31 @@ struct Complaint : google::protobuf::io::ErrorCollector {
   std::string text;
 };
 
+// Bytes that must follow one in UTF-8; nothing for a byte that begins no character of a text.
+std::optional<int> following(unsigned char byte) {
+  if (byte == '\n' || byte == '\t' || byte == '\r' || (byte >= 0x20 && byte < 0x7F)) return 0;
+  if (byte < 0xC2 || byte > 0xF4) return {};
+  return byte < 0xE0 ? 1 : byte < 0xF0 ? 2 : 3;
+}
+
+bool continues(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
+
 // Control characters and broken UTF-8 say that this was never written as a scene.
-void check_text(const std::string& text, const std::string& path) {
+void check_text(std::string_view text, const std::string& path) {
   ScenePosition at;
-  std::size_t following = 0;  // bytes of a UTF-8 character still to come
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool continues = (byte & 0xC0) == 0x80;
-    const bool control =
-        (byte < 0x20 && c != '\n' && c != '\t' && c != '\r') || byte == 0x7F || byte > 0xF4;
-    if (control || continues != (following > 0))
+  while (!text.empty()) {
+    const auto more = following(static_cast<unsigned char>(text[0]));
+    const auto rest = text.substr(1, static_cast<std::size_t>(more.value_or(0)));
+    if (!more || static_cast<int>(rest.size()) < *more ||
+        !std::all_of(rest.begin(), rest.end(), continues))
       refuse(
           path, at,
           {"", "this is not a text file", "give a scene in protobuf text format, saved as UTF-8"});
-    following = continues      ? following - 1
-                : byte >= 0xF0 ? 3
-                : byte >= 0xE0 ? 2
-                : byte >= 0xC0 ? 1
-                               : 0;
-    at = c == '\n' ? ScenePosition{at.line + 1, 1} : ScenePosition{at.line, at.column + 1};
+    at = text[0] == '\n' ? ScenePosition{at.line + 1, 1}
+                         : ScenePosition{at.line, at.column + 1 + *more};
+    text.remove_prefix(1 + rest.size());
   }
 }
 
@@ -75,6 +83,7 @@ void normalise(Message& message);
 void normalise_field(Message& message, const FieldDescriptor& field) {
   const auto& r = *message.GetReflection();
   if (field.options().GetExtension(proto::local)) return r.ClearField(&message, &field);
+  if (field.containing_oneof() != nullptr && !r.HasField(message, &field)) return;
   const bool nested = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
   const bool number = field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE;
   if (field.is_repeated()) {

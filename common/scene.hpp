@@ -12,7 +12,7 @@
 // Checked, in this order: the file is readable, small enough and text; protobuf accepts it, so
 // field names, types and duplicates are right; every number is finite and within the range its
 // field declares, every list has its length, nothing needed is missing; the parts fit together (the
-// table in scene_rules.cpp).
+// tables of scene_rules.hpp).
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace farhand {
 // `at_most` values, and `needed` there. In the order of the schema.
 std::optional<SceneFault> check_fields(const proto::Scene& scene);
 
-// How the parts fit together: the table in scene_rules.cpp.
+// How the parts fit together: the tables of scene_rules.hpp.
 std::optional<SceneFault> check_rules(const proto::Scene& scene);
 
 }  // namespace farhand

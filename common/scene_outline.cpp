@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <vector>
 
 namespace farhand {
 namespace {
@@ -15,35 +14,16 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::io::Tokenizer;
 
-struct Token {
-  std::string text;
-  Tokenizer::TokenType type = Tokenizer::TYPE_END;
-  ScenePosition at;
-};
+using Token = Tokenizer::Token;
+
+ScenePosition position(const Token& t) {
+  return {t.line + 1, t.column + 1};
+}
 
 // Protobuf's parser reports what the tokenizer minds; here it is only read.
 struct Silent : google::protobuf::io::ErrorCollector {
   void AddError(int, int, const std::string&) override {}
 };
-
-// With the settings of protobuf's text format.
-std::vector<Token> tokens_of(const std::string& text) {
-  google::protobuf::io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
-  Silent silent;
-  Tokenizer tokenizer(&stream, &silent);
-  tokenizer.set_comment_style(Tokenizer::SH_COMMENT_STYLE);
-  tokenizer.set_allow_f_after_float(true);
-  tokenizer.set_require_space_after_number(false);
-  tokenizer.set_allow_multiline_strings(true);
-  std::vector<Token> out;
-  while (tokenizer.Next()) {
-    const auto& t = tokenizer.current();
-    out.push_back({t.text, t.type, {t.line + 1, t.column + 1}});
-  }
-  out.push_back(
-      {"", Tokenizer::TYPE_END, {tokenizer.current().line + 1, tokenizer.current().column + 1}});
-  return out;
-}
 
 bool is_number(const Token& t) {
   const std::string word = lower(t.text);
@@ -90,7 +70,17 @@ bool fits(const FieldDescriptor& field, const Token& t, bool negative) {
 
 class Walk {
  public:
-  Walk(std::vector<Token> tokens, SceneOutline& out) : tokens_(std::move(tokens)), out_(out) {}
+  // With the tokens of protobuf's text format.
+  Walk(const std::string& text, SceneOutline& out)
+      : stream_(text.data(), static_cast<int>(text.size())),
+        tokenizer_(&stream_, &silent_),
+        out_(out) {
+    tokenizer_.set_comment_style(Tokenizer::SH_COMMENT_STYLE);
+    tokenizer_.set_allow_f_after_float(true);
+    tokenizer_.set_require_space_after_number(false);
+    tokenizer_.set_allow_multiline_strings(true);
+    next();
+  }
 
   // Up to the closing symbol, or to the end when it is empty.
   void message(const Descriptor& type, const std::string& path, std::string_view closing,
@@ -108,12 +98,10 @@ class Walk {
  private:
   using Chosen = std::map<const google::protobuf::OneofDescriptor*, std::string>;
 
-  const Token& token() const { return tokens_[at_]; }
-  bool end() const { return token().type == Tokenizer::TYPE_END; }
-  bool over() const { return end() || out_.fault; }
-  void next() {
-    if (!end()) ++at_;
-  }
+  const Token& token() { return tokenizer_.current(); }
+  bool end() { return token().type == Tokenizer::TYPE_END; }
+  bool over() { return end() || out_.fault; }
+  void next() { tokenizer_.Next(); }
   bool take(std::string_view symbol) {
     if (token().type != Tokenizer::TYPE_SYMBOL || token().text != symbol) return false;
     next();
@@ -133,14 +121,15 @@ class Walk {
     next();
     const std::string here = child(path, name.text);
     if (!found->is_repeated() && out_.positions.contains(here))
-      return fault(name.at, here, "given twice", "give it once");
+      return fault(position(name), here, "given twice", "give it once");
     if (const auto* oneof = found->containing_oneof()) {
       const auto [other, first] = chosen.try_emplace(oneof, name.text);
       if (!first)
-        return fault(name.at, here, other->second + " is already chosen as the " + oneof->name(),
+        return fault(position(name), here,
+                     other->second + " is already chosen as the " + oneof->name(),
                      "keep one of the two");
     }
-    out_.positions.try_emplace(here, name.at);
+    out_.positions.try_emplace(here, position(name));
     values(*found, here, name);
   }
 
@@ -160,21 +149,22 @@ class Walk {
     const bool negative = take("-");
     const bool nested = field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE;
     if (!fits(field, token(), negative))
-      return fault(first.at, path, end() ? "has no value" : "cannot be '" + spelt(negative) + "'",
+      return fault(position(first), path,
+                   end() ? "has no value" : "cannot be '" + spelt(negative) + "'",
                    meant(field) + "give " + legal_value(field));
     if (!nested && !colon)
-      return fault(name.at, path, "has no ':' after its name",
+      return fault(position(name), path, "has no ':' after its name",
                    "write " + field.name() + ": " + spelt(negative));
-    out_.positions[path] = nested ? name.at : first.at;
+    out_.positions[path] = nested ? position(name) : position(first);
     const std::string_view closing = token().text == "<" ? ">" : "}";
     next();
-    if (nested) return message(*field.message_type(), path, closing, name.at);
+    if (nested) return message(*field.message_type(), path, closing, position(name));
     while (token().type == Tokenizer::TYPE_STRING) next();  // adjacent strings are one
   }
 
-  std::string spelt(bool negative) const { return (negative ? "-" : "") + shortened(token().text); }
+  std::string spelt(bool negative) { return (negative ? "-" : "") + shortened(token().text); }
 
-  std::string meant(const FieldDescriptor& field) const {
+  std::string meant(const FieldDescriptor& field) {
     if (field.cpp_type() != FieldDescriptor::CPPTYPE_ENUM) return "";
     const auto near = nearest(token().text, value_names(*field.enum_type()));
     return near ? "did you mean " + *near + "? " : "";
@@ -182,20 +172,21 @@ class Walk {
 
   void unknown(const Descriptor& type, const std::string& path, const Token& name) {
     if (name.type != Tokenizer::TYPE_IDENTIFIER)
-      return fault(name.at, path.empty() ? "scene" : path,
+      return fault(position(name), path.empty() ? "scene" : path,
                    "'" + shortened(name.text) + "' stands where a field should begin",
                    "write name: value or name { ... }, and close what is open");
     const auto names = field_names(type);
     const auto near = nearest(name.text, names);
     const std::string knows =
         names.empty() ? type.name() + " has no fields" : type.name() + " knows " + listed(names);
-    fault(name.at, child(path, shortened(name.text)), "no such field",
+    fault(position(name), child(path, shortened(name.text)), "no such field",
           (near ? "did you mean " + *near + "? " : "") + knows);
   }
 
-  std::vector<Token> tokens_;
+  google::protobuf::io::ArrayInputStream stream_;
+  Silent silent_;
+  Tokenizer tokenizer_;
   SceneOutline& out_;
-  std::size_t at_ = 0;
   std::map<std::string, int> counts_;
 };
 
@@ -203,7 +194,7 @@ class Walk {
 
 SceneOutline outline(const std::string& text, const Descriptor& root) {
   SceneOutline out;
-  Walk(tokens_of(text), out).message(root, "", "");
+  Walk(text, out).message(root, "", "");
   return out;
 }
 

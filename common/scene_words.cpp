@@ -97,7 +97,7 @@ std::string shortened(std::string_view text) {
   constexpr std::size_t kLongest = 40;
   std::string out(text.substr(0, kLongest));
   for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    if (c < 0x20 || c > 0x7E) c = '?';
   return text.size() > kLongest ? out + "..." : out;
 }
 
@@ -151,7 +151,7 @@ std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& val
 std::optional<std::string> nearest(std::string_view name,
                                    const std::vector<std::string>& candidates) {
   std::optional<std::string> best;
-  std::size_t best_distance = std::max<std::size_t>(1, name.size() / 3) + 1;
+  std::size_t best_distance = (name.size() < 4 ? 1 : std::max<std::size_t>(2, name.size() / 3)) + 1;
   const std::string wanted = lower(name);
   for (const std::string& candidate : candidates) {
     const std::string have = lower(candidate);

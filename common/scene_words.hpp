@@ -26,7 +26,7 @@ SceneRange range_of(const google::protobuf::FieldDescriptor& field);
 
 std::string lower(std::string_view text);
 
-// Fit for a sentence: at most 40 bytes, and no control characters.
+// Fit for a sentence: at most 40 characters, and '?' for whatever is not printable ASCII.
 std::string shortened(std::string_view text);
 
 // Shortest text that reads back as the same double.
@@ -49,7 +49,8 @@ std::vector<std::string> field_names(const google::protobuf::Descriptor& message
 std::vector<std::string> value_names(const google::protobuf::EnumDescriptor& values);
 
 // The candidate with the smallest edit distance to the name (case aside), if that is near enough to
-// be a slip of the pen: at most a third of the name, or one begins with the other.
+// be a slip of the pen: at most a third of the name (2 for a short one), or one begins with the
+// other.
 std::optional<std::string> nearest(std::string_view name,
                                    const std::vector<std::string>& candidates);
 

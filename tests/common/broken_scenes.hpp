@@ -57,11 +57,12 @@ inline std::vector<BrokenScene> broken_scenes() {
       {"@# only a remark\n", "scene", "minimal.textproto"},
       {std::string("master@\0 {}", 11), "scene", "not a text file"},
       {"# caf@\xe9 au lait\n", "scene", "UTF-8"},
-      {"master @\xc3\xa9 {}", "scene", "correct the text"},
+      {"master @\xc3\xa9 {}", "master", "cannot be '?'; give a message in braces"},
+      {"# cut @\xc3", "scene", "UTF-8"},
       {scene + "@}", "scene", "'}' stands where a field should begin"},
       {slave + "@master {\n " + hand + "\n", "master", "never closed; add a '}'"},
       {slave + "master {\n twin_delta {}\n @sim_hand {\n", "master.sim_hand", "never closed"},
-      {scene + "description: @\"no end\n", "description", "correct the text"},
+      {scene + "description: \"no end@\n", "description", "correct the text"},
       {scene + "@[farhand.other]: 1", "scene", "where a field should begin"},
       // ---- names
       {scene + "@rate_hertz: 100", "rate_hertz", "did you mean rate_hz?"},
@@ -149,20 +150,20 @@ inline std::vector<BrokenScene> broken_scenes() {
            "joint_pid {} force_sensing {} }",
        "master.force_feedback.fade_ms", "would outlast the peer"},
       // ---- Falcon
-      {with_falcon("sim_hand { @twist_inertia_kg_m2: 1e-3 }"),
+      {with_falcon("sim_hand { twist_inertia_kg_m2: @1e-3 }"),
        "master.sim_hand.twist_inertia_kg_m2", "use the twin_delta"},
-      {with_falcon("sim_hand { operator { @twist_stiffness_newton_m_per_rad: 1 } }"),
+      {with_falcon("sim_hand { operator { twist_stiffness_newton_m_per_rad: @1 } }"),
        "master.sim_hand.operator.twist_stiffness_newton_m_per_rad", "neither turns"},
       {with_falcon("sim_hand { operator { motion { reach { at_s: 1 @turn_deg: [1, 1, 1] } } } }"),
        "master.sim_hand.operator.motion.reach[0].turn_deg", "means nothing on a Falcon"},
       {with_falcon("sim_hand { operator { motion { sine { frequency_hz: 1 @amplitude_deg: [1, 1, "
                    "1] } } } }"),
        "master.sim_hand.operator.motion.sine[0].amplitude_deg", "means nothing on a Falcon"},
-      {with_falcon("sim_hand { operator { motion { trace { @max_tilt_deg: 10 } } } }"),
+      {with_falcon("sim_hand { operator { motion { trace { max_tilt_deg: @10 } } } }"),
        "master.sim_hand.operator.motion.trace.max_tilt_deg", "remove it"},
-      {with_falcon("sim_hand { operator { motion { @max_turn_rate_deg_per_s: 10 } } }"),
+      {with_falcon("sim_hand { operator { motion { max_turn_rate_deg_per_s: @10 } } }"),
        "master.sim_hand.operator.motion.max_turn_rate_deg_per_s", "remove it"},
-      {"master { falcon {} sim_hand {} force_feedback {\n @max_torque_newton_meter: 1 } }\nslave { "
+      {"master { falcon {} sim_hand {} force_feedback {\n max_torque_newton_meter: @1 } }\nslave { "
        "sim_arm { force_sensor {} } workspace {} joint_pid {} force_sensing {} }",
        "master.force_feedback.max_torque_newton_meter", "means nothing on a Falcon"},
       {"master { " + falcon + "\n derivative_cutoff_hz: @600 } }",
@@ -176,8 +177,8 @@ inline std::vector<BrokenScene> broken_scenes() {
       // ---- hand
       {"rate_hz: 2000 " + with_hand("rate_hz: @1500"), "master.sim_hand.rate_hz",
        "less than one step per tick"},
-      {with_hand("rate_hz: @1000 twist_inertia_kg_m2: 1e-5"), "master.sim_hand.rate_hz",
-       "1000 Hz is too coarse"},
+      {with_hand("rate_hz: @1000 device_mass_kg: 0.01 device_damping_newton_s_per_m: 50"),
+       "master.sim_hand.rate_hz", "1000 Hz is too coarse"},
       {with_operator("press { button: CLUTCH at_s: 1 lasting_s: 2 }\n press { button: DEAD_MAN "
                      "at_s: 1 }\n @press { button: CLUTCH at_s: 2.5 }"),
        "master.sim_hand.operator.press[2]", "overlaps an earlier press"},

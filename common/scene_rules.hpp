@@ -1,0 +1,74 @@
+// How a rule about the parts of a scene is written; the tables are in scene_rules_master.cpp and
+// scene_rules_slave.cpp.
+//
+// A rule belongs to a message type and is asked wherever a message of that type stands. Its
+// sentence follows the path of the field it blames and, for a number or text, that field's value.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "proto/scene.pb.h"
+
+namespace farhand {
+
+struct SceneRule {
+  const google::protobuf::Descriptor* type;
+  std::string field;  // the one to blame, below the message; empty: the message itself
+  bool each;          // asked for every element of the field
+  std::function<bool(const proto::Scene&, const google::protobuf::Message&, int index)> broken;
+  std::string what;
+  std::string remedy;
+};
+using SceneRules = std::vector<SceneRule>;
+
+// The tables.
+void add_master_rules(SceneRules& rules);  // the scene as a whole and the master's side
+void add_slave_rules(SceneRules& rules);   // the slave's side and the link
+
+// broken(message) or broken(scene, message)
+template <typename M, typename F>
+void rule(SceneRules& rules, std::string field, F broken, std::string what, std::string remedy) {
+  const auto ask = [broken](const proto::Scene& s, const google::protobuf::Message& m, int) {
+    if constexpr (std::is_invocable_v<F, const M&>)
+      return broken(static_cast<const M&>(m));
+    else
+      return broken(s, static_cast<const M&>(m));
+  };
+  rules.push_back(
+      {M::descriptor(), std::move(field), false, ask, std::move(what), std::move(remedy)});
+}
+
+// broken(message, index)
+template <typename M, typename F>
+void each(SceneRules& rules, std::string field, F broken, std::string what, std::string remedy) {
+  const auto ask = [broken](const proto::Scene&, const google::protobuf::Message& m, int i) {
+    return broken(static_cast<const M&>(m), i);
+  };
+  rules.push_back(
+      {M::descriptor(), std::move(field), true, ask, std::move(what), std::move(remedy)});
+}
+
+// Sampling cannot tell higher frequencies from lower ones. 0 means no filter.
+template <typename M>
+void below_half_the_rate(SceneRules& rules, const char* name) {
+  const auto* field = M::descriptor()->FindFieldByName(name);
+  rule<M>(
+      rules, name,
+      [field](const proto::Scene& s, const M& m) {
+        return 2 * m.GetReflection()->GetDouble(m, field) >= s.rate_hz();
+      },
+      "is not below half the tick rate", "lower it, or raise the scene's rate_hz");
+}
+
+inline double norm(const google::protobuf::RepeatedField<double>& v) {
+  double sum = 0;
+  for (const double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+}  // namespace farhand

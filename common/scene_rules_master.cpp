@@ -1,0 +1,234 @@
+#include <numbers>
+
+#include "common/scene_rules.hpp"
+
+namespace farhand {
+namespace {
+
+using Rules = SceneRules;
+using proto::Scene;
+
+bool given(const google::protobuf::Message& m, const google::protobuf::FieldDescriptor& field) {
+  const auto& r = *m.GetReflection();
+  return field.is_repeated() ? r.FieldSize(m, &field) > 0 : r.HasField(m, &field);
+}
+
+// A Falcon moves in three translations and its grip senses no force.
+template <typename M>
+void not_on_falcon(Rules& rules, std::initializer_list<const char*> fields) {
+  for (const char* name : fields) {
+    const auto* field = M::descriptor()->FindFieldByName(name);
+    rule<M>(
+        rules, name,
+        [field](const Scene& s, const M& m) { return s.master().has_falcon() && given(m, *field); },
+        "means nothing on a Falcon, which neither turns nor feels force",
+        "remove it, or use the twin_delta handle");
+  }
+}
+
+void scene_rules(Rules& r) {
+  rule<Scene>(
+      r, "master", [](const Scene& s) { return !s.has_master(); },
+      "is missing; one file describes both sides", "add master { ... } with a handle and a device");
+  rule<Scene>(
+      r, "slave",
+      [](const Scene& s) { return !s.has_slave() && !s.master().has_position_control(); },
+      "is missing, so the handle would move nothing",
+      "add slave { ... } with a robot, workspace and joint_pid, or master.position_control to "
+      "drive the handle itself");
+  rule<Scene>(
+      r, "slave", [](const Scene& s) { return s.has_slave() && s.master().has_position_control(); },
+      "has nothing to follow while position_control drives the handle",
+      "remove the slave or the position_control");
+  rule<Scene>(
+      r, "link", [](const Scene& s) { return s.has_link() && !s.has_slave(); },
+      "leads nowhere without a slave", "remove it");
+}
+
+void master_rules(Rules& r) {
+  using M = proto::Master;
+  rule<M>(
+      r, "", [](const M& m) { return m.handle_case() == M::HANDLE_NOT_SET; }, "has no handle",
+      "add falcon {} or twin_delta {}");
+  rule<M>(
+      r, "", [](const M& m) { return m.device_case() == M::DEVICE_NOT_SET; },
+      "has no device that moves the handle", "add sim_hand {}");
+  rule<M>(
+      r, "position_control",
+      [](const M& m) { return m.has_position_control() && m.has_twin_delta(); },
+      "is for the Falcon", "use falcon, or remove it");
+  rule<M>(
+      r, "force_feedback",
+      [](const M& m) { return m.has_force_feedback() && m.has_position_control(); },
+      "and position_control would both drive the motors", "keep one of the two");
+  rule<M>(
+      r, "force_feedback",
+      [](const Scene& s, const M& m) {
+        return m.has_force_feedback() && !s.slave().has_force_sensing();
+      },
+      "has no force to reflect", "add force_sensing {} to the slave, or remove force_feedback");
+  below_half_the_rate<M>(r, "velocity_cutoff_hz");
+
+  using F = proto::ForceFeedback;
+  rule<F>(
+      r, "fade_ms",
+      [](const Scene& s, const F& f) { return f.hold_ms() + f.fade_ms() > s.link().lost_ms(); },
+      "after hold_ms ends later than link.lost_ms, so force would outlast the peer",
+      "shorten hold_ms and fade_ms, or raise link.lost_ms");
+  not_on_falcon<F>(r, {"max_torque_newton_meter", "max_twist_torque_newton_meter",
+                       "max_torque_rate_newton_meter_per_s"});
+}
+
+void position_control_rules(Rules& r) {
+  using P = proto::PositionControl;
+  below_half_the_rate<P>(r, "derivative_cutoff_hz");
+  // Half of where backward differences on a free mass become unstable: kd Ts = 2 m.
+  rule<P>(
+      r, "kd_newton_s_per_m",
+      [](const Scene& s, const P& p) {
+        const auto& hand = s.master().sim_hand();
+        const double mass =
+            hand.device_mass_kg() + (hand.has_operator_() ? hand.operator_().hand_mass_kg() : 0);
+        return s.master().has_sim_hand() && p.kd_newton_s_per_m() > mass * s.rate_hz();
+      },
+      "times the tick period exceeds the moving mass, so the handle would vibrate",
+      "give at most the moving mass times rate_hz");
+  each<P>(
+      r, "set_point",
+      [](const P& p, int i) { return i > 0 && p.set_point(i).at_s() <= p.set_point(i - 1).at_s(); },
+      "comes no later than the one before it",
+      "write set points in the order of at_s, each later than the last");
+}
+
+// Semi-implicit Euler on m x'' = -k x - c x' with steps of h diverges at k h^2 / m + 2 c h / m = 4;
+// half of it is accepted.
+bool coarse(double stiffness, double damping, double inertia, double rate) {
+  return stiffness / (rate * rate) + 2 * damping / rate > 2 * inertia;
+}
+
+bool hand_steps_are_coarse(const Scene& s, const proto::SimHand& h) {
+  const proto::Operator& o = h.operator_();
+  const double held = h.has_operator_() ? 1 : 0;
+  const bool turns = s.master().has_twin_delta();
+  return coarse(held * o.stiffness_newton_per_m(),
+                h.device_damping_newton_s_per_m() + held * o.damping_newton_s_per_m(),
+                h.device_mass_kg() + held * o.hand_mass_kg(), h.rate_hz()) ||
+         (turns && coarse(held * o.rotation_stiffness_newton_m_per_rad(),
+                          h.rotation_damping_newton_m_s() + held * o.rotation_damping_newton_m_s(),
+                          h.rotation_inertia_kg_m2(), h.rate_hz())) ||
+         (turns && coarse(held * o.twist_stiffness_newton_m_per_rad(),
+                          h.twist_damping_newton_m_s() + held * o.twist_damping_newton_m_s(),
+                          h.twist_inertia_kg_m2(), h.rate_hz()));
+}
+
+bool overlaps_earlier(const proto::Operator& o, int i) {
+  const auto& a = o.press(i);
+  for (int j = 0; j < i; ++j) {
+    const auto& b = o.press(j);
+    if (a.button() == b.button() && a.at_s() < b.at_s() + b.lasting_s() &&
+        b.at_s() < a.at_s() + a.lasting_s())
+      return true;
+  }
+  return false;
+}
+
+bool never_engages(const proto::Operator& o) {
+  for (const auto& press : o.press())
+    if (press.button() == proto::Press::DEAD_MAN) return false;
+  return o.press_size() > 0;
+}
+
+void hand_rules(Rules& r) {
+  using H = proto::SimHand;
+  rule<H>(
+      r, "rate_hz", [](const Scene& s, const H& h) { return h.rate_hz() < s.rate_hz(); },
+      "is less than one step per tick", "raise it to the scene's rate_hz or above");
+  rule<H>(r, "rate_hz", hand_steps_are_coarse,
+          "is too coarse for the stiffness and damping around the handle's mass",
+          "raise it, or soften the hand");
+  not_on_falcon<H>(
+      r, {"rotation_inertia_kg_m2", "rotation_damping_newton_m_s", "rotation_friction_newton_m",
+          "twist_inertia_kg_m2", "twist_damping_newton_m_s", "force_noise_newton",
+          "torque_noise_newton_meter"});
+
+  using O = proto::Operator;
+  not_on_falcon<O>(r, {"rotation_stiffness_newton_m_per_rad", "rotation_damping_newton_m_s",
+                       "twist_stiffness_newton_m_per_rad", "twist_damping_newton_m_s"});
+  each<O>(
+      r, "press", [](const O& o, int i) { return overlaps_earlier(o, i); },
+      "overlaps an earlier press of the same button",
+      "give the earlier one a lasting_s that ends before, or move this one");
+  rule<O>(
+      r, "press", [](const O& o) { return never_engages(o); },
+      "scripts buttons but never the dead-man, so nothing would move",
+      "add press { button: DEAD_MAN at_s: 0.5 }");
+}
+
+void motion_rules(Rules& r) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  using M = proto::Motion;
+  rule<M>(
+      r, "trace", [](const M& m) { return m.has_trace() && m.sine_size() + m.reach_size() > 0; },
+      "cannot be combined with sine or reach", "keep the trace or the others");
+  not_on_falcon<M>(r, {"max_turn_rate_deg_per_s"});
+  not_on_falcon<proto::Trace>(r, {"rotation_scale", "max_tilt_deg"});
+  each<M>(
+      r, "sine",
+      [](const M& m, int i) {
+        return kTurn * m.sine(i).frequency_hz() * norm(m.sine(i).amplitude_m()) >
+               m.max_speed_m_per_s();
+      },
+      "is faster at its peak, 2 pi frequency times amplitude, than max_speed_m_per_s",
+      "slow it down, or raise max_speed_m_per_s");
+  each<M>(
+      r, "sine",
+      [](const M& m, int i) {
+        return kTurn * m.sine(i).frequency_hz() * norm(m.sine(i).amplitude_deg()) >
+               m.max_turn_rate_deg_per_s();
+      },
+      "turns faster at its peak than max_turn_rate_deg_per_s",
+      "slow it down, or raise max_turn_rate_deg_per_s");
+  // A minimum-jerk move peaks at 15/8 of its mean speed.
+  each<M>(
+      r, "reach",
+      [](const M& m, int i) {
+        return 1.875 * norm(m.reach(i).by_m()) > m.max_speed_m_per_s() * m.reach(i).lasting_s();
+      },
+      "is faster at its peak, 15/8 of the mean, than max_speed_m_per_s",
+      "give it a longer lasting_s, or raise max_speed_m_per_s");
+  each<M>(
+      r, "reach",
+      [](const M& m, int i) {
+        return 1.875 * norm(m.reach(i).turn_deg()) >
+               m.max_turn_rate_deg_per_s() * m.reach(i).lasting_s();
+      },
+      "turns faster at its peak than max_turn_rate_deg_per_s",
+      "give it a longer lasting_s, or raise max_turn_rate_deg_per_s");
+
+  using S = proto::Sine;
+  rule<S>(
+      r, "until_s", [](const S& s) { return s.until_s() <= s.from_s(); }, "is not after from_s",
+      "give a later until_s, or leave it out for a sine without end");
+  rule<S>(
+      r, "", [](const S& s) { return s.amplitude_m_size() + s.amplitude_deg_size() == 0; },
+      "moves nothing", "add amplitude_m: [x, y, z] or amplitude_deg: [x, y, twist]");
+  not_on_falcon<S>(r, {"amplitude_deg"});
+  below_half_the_rate<S>(r, "frequency_hz");
+  using R = proto::Reach;
+  rule<R>(
+      r, "", [](const R& m) { return m.by_m_size() + m.turn_deg_size() == 0; }, "moves nothing",
+      "add by_m: [x, y, z] or turn_deg: [x, y, twist]");
+  not_on_falcon<R>(r, {"turn_deg"});
+}
+
+}  // namespace
+
+void add_master_rules(SceneRules& rules) {
+  scene_rules(rules);
+  master_rules(rules);
+  position_control_rules(rules);
+  hand_rules(rules);
+  motion_rules(rules);
+}
+
+}  // namespace farhand
