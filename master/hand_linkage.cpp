@@ -4,10 +4,11 @@ namespace farhand {
 namespace {
 
 // Half of reference sections 2.4 and 5.6.
-constexpr double kFalconEdge = 0.05;   // of |det n| and |sin(t1 - t2)|
+constexpr double kFalconEdge = 0.05;    // of |det n| and |sin(t1 - t2)|
 constexpr double kForearmEdge = 0.075;  // of the forearms' determinant
 constexpr double kLeverEdge = 0.01;     // [m]
-constexpr double kSinMostTilt = 0.999;  // 87.4 deg of beta_e, where the handle axes still turn slowly
+constexpr double kSinMostTilt =
+    0.999;  // 87.4 deg of beta_e, where the handle axes still turn slowly
 
 bool inside(const FalconJacobian& J) noexcept {
   return J.status == Status::ok && J.det_n <= -kFalconEdge && J.min_abs_sin >= kFalconEdge;

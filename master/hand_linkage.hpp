@@ -2,7 +2,8 @@
 // and where the mechanism ends. One specialisation per geometry, the same members in each.
 //
 // The mechanism ends half way between the workspace the master accepts and the singularity behind
-// it (half the bounds of accepted()), so that a scene can leave the one and never reaches the other.
+// it (half the bounds of accepted()), so that a scene can leave the one and never reaches the
+// other.
 #pragma once
 
 #include <numbers>

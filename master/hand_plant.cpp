@@ -34,10 +34,10 @@ void tilt(const Plant& plant, HandState& s, const Course<Vec3>& wish, const Vec3
           Vec3& user) noexcept {
   const PlantConfig& device = plant.device;
   const HandImpedance& hand = plant.hand;
-  const double brake = device.rotation_damping + friction_damping(device.rotation_friction,
-                                                                  s.omega_M.norm(), kSlipRate);
-  const Vec3 spring = s.axis_M.cross(hand.rotation_stiffness * wish.x +
-                                     hand.rotation_damping * wish.rate);
+  const double brake = device.rotation_damping +
+                       friction_damping(device.rotation_friction, s.omega_M.norm(), kSlipRate);
+  const Vec3 spring =
+      s.axis_M.cross(hand.rotation_stiffness * wish.x + hand.rotation_damping * wish.rate);
   const Vec3 omega = (device.rotation_inertia * s.omega_M + h * (spring + motor)) /
                      (device.rotation_inertia + h * (brake + hand.rotation_damping));
   user = spring - hand.rotation_damping * omega;
@@ -49,8 +49,7 @@ void twist(const Plant& plant, HandState& s, const Course<double>& wish, double 
            double& user) noexcept {
   const PlantConfig& device = plant.device;
   const HandImpedance& hand = plant.hand;
-  const double spring =
-      hand.twist_stiffness * (wish.x - s.twist) + hand.twist_damping * wish.rate;
+  const double spring = hand.twist_stiffness * (wish.x - s.twist) + hand.twist_damping * wish.rate;
   const double rate = (device.twist_inertia * s.twist_rate + h * (spring + motor)) /
                       (device.twist_inertia + h * (device.twist_damping + hand.twist_damping));
   user = spring - hand.twist_damping * rate;

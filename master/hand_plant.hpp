@@ -1,5 +1,5 @@
-// The moving mass of the simulated handle and the hand on it: a point mass for the grip, a direction
-// with two tilts, and a twist about it (reference section 9.3, in three dimensions):
+// The moving mass of the simulated handle and the hand on it: a point mass for the grip, a
+// direction with two tilts, and a twist about it (reference section 9.3, in three dimensions):
 //
 //   (m_d + m_u) p'' = F_c - B p' - F_k tanh(|p'| / 0.005) p'/|p'| + weight + motors + push
 //   F_c = k_u (p_d - p) + b_u (p_d' - p')         F_u = F_c + push - m_u p''
@@ -8,8 +8,8 @@
 // tilt spring k (axis x axis_d), that is k sin(angle); friction over 0.05 rad/s; twist without
 // friction. F_u is what a force sensor between grip and device feels: the user on the device.
 //
-// Semi-implicit Euler: springs from the old position, dampers and friction by the new velocity, with
-// friction's share of the speed taken at the old one. Friction can so only brake, at any step.
+// Semi-implicit Euler: springs from the old position, dampers and friction by the new velocity,
+// with friction's share of the speed taken at the old one. Friction can so only brake, at any step.
 #pragma once
 
 #include "common/geometry.hpp"
@@ -18,26 +18,26 @@ namespace farhand {
 
 // The device, seen at the handle. No rotation_inertia: a point that only translates.
 struct PlantConfig {
-  double mass = 1.0;               // [kg] > 0
-  double damping = 4;              // [N s/m]
-  double friction = 0.8;           // [N]
-  double weight = 2.0;             // [N] left after the counterbalance
-  double rotation_inertia = 0.01;  // [kg m^2] > 0
-  double rotation_damping = 0.02;  // [N m s]
-  double rotation_friction = 0.02; // [N m]
-  double twist_inertia = 5e-4;     // [kg m^2] > 0
-  double twist_damping = 2e-3;     // [N m s]
+  double mass = 1.0;                // [kg] > 0
+  double damping = 4;               // [N s/m]
+  double friction = 0.8;            // [N]
+  double weight = 2.0;              // [N] left after the counterbalance
+  double rotation_inertia = 0.01;   // [kg m^2] > 0
+  double rotation_damping = 0.02;   // [N m s]
+  double rotation_friction = 0.02;  // [N m]
+  double twist_inertia = 5e-4;      // [kg m^2] > 0
+  double twist_damping = 2e-3;      // [N m s]
 };
 
 // The hand's spring and damper around its wish. All zero: nobody holds the grip.
 struct HandImpedance {
-  double mass = 0.4;                // [kg] moves with the grip, outside the sensor
-  double stiffness = 500;           // [N/m]
-  double damping = 20;              // [N s/m]
-  double rotation_stiffness = 4;    // [N m/rad]
-  double rotation_damping = 0.2;    // [N m s]
-  double twist_stiffness = 0.5;     // [N m/rad]
-  double twist_damping = 0.02;      // [N m s]
+  double mass = 0.4;              // [kg] moves with the grip, outside the sensor
+  double stiffness = 500;         // [N/m]
+  double damping = 20;            // [N s/m]
+  double rotation_stiffness = 4;  // [N m/rad]
+  double rotation_damping = 0.2;  // [N m s]
+  double twist_stiffness = 0.5;   // [N m/rad]
+  double twist_damping = 0.02;    // [N m s]
 };
 inline constexpr HandImpedance kNobody{0, 0, 0, 0, 0, 0, 0};
 

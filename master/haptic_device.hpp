@@ -26,7 +26,7 @@ struct HandleReading {
   bool dead_man = false;      // pressed: the user wants motion and force
   bool clutch = false;        // pressed: the robot rests while the handle is moved back
   bool has_force = false;
-  Wrench F_user_G;  // wrench the user exerts on the handle, at H, in handle axes G
+  Wrench F_user_G{};  // wrench the user exerts on the handle, at H, in handle axes G
 };
 
 template <typename Device>

@@ -12,11 +12,6 @@ constexpr double kRounding = 0.1;    // [s] each side of the corner of min(1, t)
 constexpr double kFade = 1;          // [s]
 constexpr double kLeastShare = 0.1;  // of a limit, left for a trace
 
-struct Value {
-  double x = 0;
-  double rate = 0;
-};
-
 Vec6 amplitude(const Sine& s) noexcept {
   return (Vec6() << s.offset, s.turn).finished();
 }
@@ -24,30 +19,30 @@ Vec6 offset(const Reach& r) noexcept {
   return (Vec6() << r.by, r.turn).finished();
 }
 
-Value fade_in(double t) noexcept {
+Progress fade_in(double t) noexcept {
   if (t <= 1 - kRounding) return {t, 1};
   if (t >= 1 + kRounding) return {1, 0};
   const double rest = 1 + kRounding - t;
   return {1 - rest * rest / (4 * kRounding), rest / (2 * kRounding)};
 }
 
-Value fade_out(double left) noexcept {
+Progress fade_out(double left) noexcept {
   const double s = std::min(left / kFade, 1.0);
   return {s * s * (3 - 2 * s), -6 * s * (1 - s) / kFade};
 }
 
-Value sine_at(const Sine& s, double t) noexcept {
+Progress sine_at(const Sine& s, double t) noexcept {
   if (t <= s.from || t >= s.until) return {};
   const double w = 2 * std::numbers::pi * s.frequency, phase = w * (t - s.from);
-  const Value in = fade_in(t - s.from), out = fade_out(s.until - t);
+  const Progress in = fade_in(t - s.from), out = fade_out(s.until - t);
   const double swing = std::sin(phase);
   return {swing * in.x * out.x,
           w * std::cos(phase) * in.x * out.x + swing * in.rate * out.x + swing * in.x * out.rate};
 }
 
-Value reach_at(const Reach& r, double t) noexcept {
-  const double s = std::clamp((t - r.at) / r.lasting, 0.0, 1.0), left = 1 - s;
-  return {s * s * s * (10 + s * (6 * s - 15)), 30 * s * s * left * left / r.lasting};
+Progress reach_at(const Reach& r, double t) noexcept {
+  const Progress s = minimum_jerk((t - r.at) / r.lasting);
+  return {s.x, s.rate / r.lasting};
 }
 
 // ---- the fastest the sines and reaches can be
@@ -70,7 +65,7 @@ std::vector<Span> spans(const MotionConfig& c) {
   for (const Sine& s : c.sines)
     out.push_back({s.from, s.until, amplitude(s).cwiseAbs() * peak_rate(s)});
   for (const Reach& r : c.reaches)
-    out.push_back({r.at, r.at + r.lasting, offset(r).cwiseAbs() * (1.875 / r.lasting)});
+    out.push_back({r.at, r.at + r.lasting, offset(r).cwiseAbs() * (kMinimumJerkPeak / r.lasting)});
   return out;
 }
 
@@ -122,11 +117,11 @@ Motion::Motion(MotionConfig config) : config_(std::move(config)) {
 
   std::stable_sort(config_.reaches.begin(), config_.reaches.end(),
                    [](const Reach& a, const Reach& b) { return a.at < b.at; });
-  Progress so_far{Vec6::Zero(), 0};
+  Done so_far{Vec6::Zero(), 0};
   for (const Reach& r : config_.reaches) {
     so_far.offset += offset(r);
     so_far.end = std::max(so_far.end, r.at + r.lasting);
-    progress_.push_back(so_far);
+    done_.push_back(so_far);
   }
   if (config_.trace)
     trace_.emplace(read_recording(config_.trace->file), *config_.trace, left_by(peak, limits));
@@ -140,11 +135,11 @@ void Motion::add_reaches(double t, Vec6& x, Vec6& rate) const noexcept {
                reaches.begin();
   for (; begun > 0; --begun) {
     const auto i = static_cast<std::size_t>(begun - 1);
-    if (progress_[i].end <= t) {
-      x += progress_[i].offset;
+    if (done_[i].end <= t) {
+      x += done_[i].offset;
       return;
     }
-    const Value s = reach_at(reaches[i], t);
+    const Progress s = reach_at(reaches[i], t);
     const Vec6 by = offset(reaches[i]);
     x += s.x * by;
     rate += s.rate * by;
@@ -155,7 +150,7 @@ MotionSample Motion::at(double t) const noexcept {
   t = std::max(t, 0.0);
   Vec6 x = Vec6::Zero(), rate = Vec6::Zero();
   for (const Sine& sine : config_.sines) {
-    const Value s = sine_at(sine, t);
+    const Progress s = sine_at(sine, t);
     const Vec6 by = amplitude(sine);
     x += s.x * by;
     rate += s.rate * by;

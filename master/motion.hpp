@@ -50,14 +50,14 @@ class Motion {
 
  private:
   // Sum of all reaches up to this one in order of start, and when the last of them ends.
-  struct Progress {
+  struct Done {
     Vec6 offset;
     double end;
   };
   void add_reaches(double t, Vec6& x, Vec6& rate) const noexcept;
 
   MotionConfig config_;
-  std::vector<Progress> progress_;
+  std::vector<Done> done_;
   std::optional<Trace> trace_;
 };
 

@@ -25,9 +25,8 @@ HandCourse course(const MotionSample& m, const Vec3& middle) noexcept {
   const double growth = x * m.turn_rate.x() + y * m.turn_rate.y();  // angle * its rate
   const double s_rate = growth * (tiny ? -1.0 / 3 : (c - s) / angle2);
   return {.p = {middle + m.p, m.v},
-          .axis = {Vec3(s * y, -s * x, c),
-                   Vec3(s_rate * y + s * m.turn_rate.y(), -s_rate * x - s * m.turn_rate.x(),
-                        -s * growth)},
+          .axis = {Vec3(s * y, -s * x, c), Vec3(s_rate * y + s * m.turn_rate.y(),
+                                                -s_rate * x - s * m.turn_rate.x(), -s * growth)},
           .twist = {m.turn.z(), m.turn_rate.z()}};
 }
 
@@ -49,7 +48,9 @@ HandCourse between(const HandCourse& a, const HandCourse& b, double span, double
   return out;
 }
 
-double rounded(double x, double step) noexcept { return step > 0 ? step * std::round(x / step) : x; }
+double rounded(double x, double step) noexcept {
+  return step > 0 ? step * std::round(x / step) : x;
+}
 
 void check_rate(double rate, const Plant& plant) {
   if (rate >= fastest(plant)) return;
@@ -144,8 +145,7 @@ void SimHand<Geometry>::run(Duration span) noexcept {
   for (long i = 1; i <= steps; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(steps);
     const HandCourse wish = between(from, to, length, share, plant_.rotates);
-    truth_.user =
-        step(plant_, truth_.state, wish, motors_, push_at(start + share * length), h);
+    truth_.user = step(plant_, truth_.state, wish, motors_, push_at(start + share * length), h);
   }
   truth_.wish = to;
   if (std::abs(truth_.state.twist) > linkage_.kMaxTwist) {

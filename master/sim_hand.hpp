@@ -42,16 +42,16 @@ struct OperatorConfig {
 
 struct SimHandConfig {
   PlantConfig device{};
-  std::optional<OperatorConfig> user{};    // without: nobody holds the grip
+  std::optional<OperatorConfig> user{};  // without: nobody holds the grip
   std::vector<Press> presses{Press{}};
   std::vector<Push> pushes{};
-  std::optional<Vec3> start_p_MH{};        // without: the middle of the workspace
-  double encoder_step = 1.3e-4;            // [rad] of a motor joint; 0: ideal
-  double max_motor_torque = 3.0;           // [N m] > 0, the vector is scaled as a whole
-  bool force_sensor = true;                // in a handle that rotates; a Falcon has none
-  double force_noise = 0.03;               // [N] standard deviation, each axis
-  double torque_noise = 0.001;             // [N m]
-  double rate = 5000;                      // [Hz] steps of the plant
+  std::optional<Vec3> start_p_MH{};  // without: the middle of the workspace
+  double encoder_step = 1.3e-4;      // [rad] of a motor joint; 0: ideal
+  double max_motor_torque = 3.0;     // [N m] > 0, the vector is scaled as a whole
+  bool force_sensor = true;          // in a handle that rotates; a Falcon has none
+  double force_noise = 0.03;         // [N] standard deviation, each axis
+  double torque_noise = 0.001;       // [N m]
+  double rate = 5000;                // [Hz] steps of the plant
   std::uint64_t seed = 1;
 };
 
@@ -59,14 +59,14 @@ struct SimHandConfig {
 struct HandTruth {
   double t = 0;  // [s] of plant time
   HandState state;
-  HandCourse wish;              // of the hand; the handle itself when nobody holds it
-  HandLoad user;                // the user side on the device, where the sensor sits
-  Vec6 theta = Vec6::Zero();    // not quantised
-  Vec6 tau = Vec6::Zero();      // torques that act, limited
-  std::uint64_t stops = 0;      // solutions at which the mechanism's edge stopped the handle
-  std::uint64_t skipped = 0;    // calls that came more than 50 ms late; the rest was left out
-  std::uint64_t bad_torque = 0; // writes that were not finite and became zero
-  std::uint64_t saturated = 0;  // writes that exceeded the motors
+  HandCourse wish;               // of the hand; the handle itself when nobody holds it
+  HandLoad user;                 // the user side on the device, where the sensor sits
+  Vec6 theta = Vec6::Zero();     // not quantised
+  Vec6 tau = Vec6::Zero();       // torques that act, limited
+  std::uint64_t stops = 0;       // solutions at which the mechanism's edge stopped the handle
+  std::uint64_t skipped = 0;     // calls that came more than 50 ms late; the rest was left out
+  std::uint64_t bad_torque = 0;  // writes that were not finite and became zero
+  std::uint64_t saturated = 0;   // writes that exceeded the motors
 };
 
 template <typename Geometry>
@@ -99,8 +99,8 @@ class SimHand {
   Random random_;
 
   std::optional<TimePoint> now_;
-  Duration lived_{0};       // plant time
-  Duration unsolved_{0};    // since the last solution
+  Duration lived_{0};     // plant time
+  Duration unsolved_{0};  // since the last solution
   HandState last_inside_;
   HandLoad motors_;
   HandTruth truth_;

@@ -85,7 +85,7 @@ Points smooth(const Recording& recording, const Points& recorded) {
   Points control(n);
   for (std::size_t k = 0; k < n; ++k) {
     const double t = static_cast<double>(k) * kControlStep;
-    control[k] = line.mean(t - kControlStep / 2, t + kControlStep / 2);
+    control[k] = line.mean(t - kControlStep, t + kControlStep);
   }
   return control;
 }
@@ -177,14 +177,8 @@ std::vector<double> passing_times(const std::vector<double>& rates) {
 }
 
 double lead_time(const Vec6& x, const SpeedLimits& limits) {
-  const double peak = 1.875;  // of a minimum-jerk move of length 1 in 1 s
-  return std::max({kShortestLead, peak * x.head<3>().norm() / limits.speed,
-                   peak * x.tail<3>().norm() / limits.turn_rate});
-}
-
-double minimum_jerk(double s) {
-  s = std::clamp(s, 0.0, 1.0);
-  return s * s * s * (10 + s * (6 * s - 15));
+  return std::max({kShortestLead, kMinimumJerkPeak * x.head<3>().norm() / limits.speed,
+                   kMinimumJerkPeak * x.tail<3>().norm() / limits.turn_rate});
 }
 
 // Plays the path by its passing times, led in from the centre before and out to it after.
@@ -199,7 +193,7 @@ Points play(const Points& path, const std::vector<double>& times, const SpeedLim
     const double t = static_cast<double>(j) * kControlStep - in;
     while (k + 2 < times.size() && times[k + 1] <= t) ++k;
     const double along = std::clamp((t - times[k]) / (times[k + 1] - times[k]), 0.0, 1.0);
-    const double presence = minimum_jerk((t + in) / in) * minimum_jerk((total - in - t) / out);
+    const double presence = minimum_jerk((t + in) / in).x * minimum_jerk((total - in - t) / out).x;
     played[j] = presence * spline(path, static_cast<double>(k) + along, 1).x;
   }
   return played;

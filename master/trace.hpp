@@ -1,7 +1,7 @@
 // A recorded human motion made into a wish the hand can follow.
 //
-// The recording is averaged over 12 ms around the control points of a uniform cubic B-spline,
-// played along a new time base and splined again: in all a zero-phase low-pass of 13 Hz (-3 dB), so
+// The recording is averaged over 24 ms around the control points of a uniform cubic B-spline,
+// played along a new time base and splined again: in all a zero-phase low-pass of 11 Hz (-3 dB), so
 // human motion stays and the steps of the recording go. On the way it is centred, scaled into the
 // reach, slowed down where it is too fast, and led in from the centre and back. A B-spline lies
 // within its control points, and its velocity within their differences: reach, tilt and speed
@@ -50,6 +50,18 @@ struct MotionSample {
   Vec3 turn = Vec3::Zero();
   Vec3 turn_rate = Vec3::Zero();
 };
+
+// 10 s^3 - 15 s^4 + 6 s^5 and its slope, s cut to [0, 1]; the slope is largest half way.
+struct Progress {
+  double x = 0;
+  double rate = 0;
+};
+constexpr double kMinimumJerkPeak = 1.875;
+constexpr Progress minimum_jerk(double s) noexcept {
+  s = s < 0 ? 0 : s > 1 ? 1 : s;
+  const double left = 1 - s;
+  return {s * s * s * (10 + s * (6 * s - 15)), 30 * s * s * left * left};
+}
 
 class Trace {
  public:
