@@ -7,10 +7,10 @@ namespace {
 
 constexpr int kHalf = 3;  // legs of either structure
 constexpr std::array<double, kHalf> kBend{1, -1, 1};
-constexpr double kMinDet = 0.15;                  // reference section 5.6
-constexpr double kMinLever = 0.02;                // [m]
-constexpr double kSinMaxTilt = 0.99619469809175;  // sin 85 deg
-constexpr double kAlongX = 1e-9;                  // hypot(uy, uz) below which x_h is noise
+constexpr double kMinDet = 0.15;                     // reference section 5.6
+constexpr double kMinLever = 0.02;                   // [m]
+constexpr double kSinMaxTilt = 0.99619469809174553;  // sin 85 deg
+constexpr double kAlongX = 1e-9;                     // hypot(uy, uz) below which x_h is noise
 
 // A half-structure's own axes to and from those of M: a half turn about X for the lower one.
 Vec3 turn(int half, const Vec3& x) noexcept {

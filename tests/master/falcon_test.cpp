@@ -10,7 +10,6 @@ namespace {
 
 using support::derivative, support::in_ball, support::on_sphere;
 
-constexpr int kPoses = 1'000'000;
 const Vec3 kCentre(0, 0, 0.120);
 constexpr double kBall = 0.055;
 
@@ -107,7 +106,7 @@ TEST(Falcon, ForwardUndoesInverseEverywhereInTheBall) {
   std::mt19937_64 random(kSeed);
   double position = 0, angle = 0;
   int failures = 0, cold_steps = 0, warm_steps = 0;
-  for (int k = 0; k < kPoses; ++k) {
+  for (int k = 0; k < support::kRandomPoses; ++k) {
     const Vec3 p = kCentre + in_ball(random, kBall);
     const FalconMotorAngles ik = motor_angles(kFalconTable1, p);
     const FalconForward cold = forward(kFalconTable1, ik.theta1);
@@ -120,7 +119,7 @@ TEST(Falcon, ForwardUndoesInverseEverywhereInTheBall) {
     warm_steps = std::max(warm_steps, warm.iterations);
   }
   std::printf("falcon round trip: %d poses, %d failures, %.2g m, %.2g rad, steps %d cold %d warm\n",
-              kPoses, failures, position, angle, cold_steps, warm_steps);
+              support::kRandomPoses, failures, position, angle, cold_steps, warm_steps);
   EXPECT_EQ(failures, 0) << "seed " << kSeed;
   EXPECT_LE(position, 1e-12) << "seed " << kSeed;
   EXPECT_LE(angle, 1e-12) << "seed " << kSeed;

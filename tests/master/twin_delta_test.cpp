@@ -12,7 +12,6 @@ namespace {
 using golden::moment_first, golden::twin_delta_jacobian, golden::twin_delta_pose;
 using support::derivative, support::in_ball, support::on_sphere, support::uniform;
 
-constexpr int kPoses = 1'000'000;
 const Vec3 kHome(0.18, 0, 0);
 const TwinDeltaGeometry& kG = kTwinDelta;
 
@@ -104,7 +103,6 @@ void jacobians(const golden::Json& v, golden::Checker& check) {
     const EndForces ends = end_forces(J, moment_first(Vec6(L.col(k))));
     back.col(k) << ends.f_E1_M, ends.f_E2_A2;
   }
-  // The files' L carries R_h^T on M axes: compared whole, R_h included.
   check.values("L", golden::rows(L), out["L"], v["tol"]);
   check.values("Jh", golden::rows(Jh), out["Jh"], v["tol"]);
   check.values("Jh from wrenches", golden::rows(Mat6(Jh_transposed.transpose())), out["Jh"],
@@ -159,7 +157,7 @@ TEST(TwinDelta, ForwardUndoesInverseEverywhereInTheDextrousBall) {
   std::mt19937_64 random(kSeed);
   double position = 0, axis = 0, motor = 0;
   int failures = 0;
-  for (int k = 0; k < kPoses; ++k) {
+  for (int k = 0; k < support::kRandomPoses; ++k) {
     const TwinDeltaPose pose = dextrous(random);
     const TwinDeltaMotorAngles ik = motor_angles(kG, pose);
     const TwinDeltaForward at = forward(kG, ik.theta1);
@@ -173,7 +171,7 @@ TEST(TwinDelta, ForwardUndoesInverseEverywhereInTheDextrousBall) {
   std::printf(
       "twin delta round trip: %d poses, %d failures, %.2g m, axis %.2g rad, motors %.2g "
       "rad\n",
-      kPoses, failures, position, axis, motor);
+      support::kRandomPoses, failures, position, axis, motor);
   EXPECT_EQ(failures, 0) << "seed " << kSeed;
   EXPECT_LE(position, 1e-12) << "seed " << kSeed;
   EXPECT_LE(axis, 1e-12) << "seed " << kSeed;

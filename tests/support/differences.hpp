@@ -8,6 +8,20 @@
 
 namespace farhand::support {
 
+// Sanitizers slow the kinematics by an order of magnitude: there a tenth of the poses will do.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define FARHAND_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define FARHAND_SANITIZED 1
+#endif
+#endif
+#ifdef FARHAND_SANITIZED
+inline constexpr int kRandomPoses = 100'000;
+#else
+inline constexpr int kRandomPoses = 1'000'000;
+#endif
+
 // d f(t)/dt at 0 by the central difference of sixth order: error O(h^6) + rounding/h. `f` returns a
 // vector of angles that do not wrap near t = 0.
 template <typename Vector, typename F>
