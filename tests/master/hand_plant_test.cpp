@@ -83,7 +83,6 @@ TEST(HandPlant, EnergyNeverGrowsWhileNobodyPushes) {
     double before = energy(plant, state);
     for (int i = 0; i < 50000; ++i) {
       step(plant, state, {}, {}, Vec3::Zero(), kStep);
-      // What is left of the last step's fall is half a step's acceleration, not energy.
       const double now = energy(plant, state);
       ASSERT_LE(now, before + 1e-15) << "friction " << friction << " step " << i;
       before = now;
