@@ -40,23 +40,19 @@ Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
                           stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
       link_({.session = 1, .scene_hash = scene.shared_hash}),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
-  if (scene.proto.has_slave())
-    slave_.emplace(make_slave(scene, options.seed.value_or(scene.proto.seed())));
+  if (scene.proto.has_slave()) slave_.emplace(scene, options.seed.value_or(scene.proto.seed()));
 }
 
-Loopback::SlaveSide Loopback::make_slave(const Scene& scene, std::uint64_t seed) const {
-  const proto::Link& link = scene.proto.link();
-  const SlaveLoopConfig loop = slave_loop_config(scene.proto);
-  return {.slave = Slave(slave_config(scene.proto)),
-          .robot = make_robot(scene.proto, stream(seed, kRobotStream)),
-          .link = SlaveLink({.session = 2, .scene_hash = scene.shared_hash}),
-          .to_slave = Impairment(impairment(link.has_to_slave(), link.to_slave()),
-                                 stream(seed, kToSlaveStream)),
-          .to_master = Impairment(impairment(link.has_to_master(), link.to_master()),
-                                  stream(seed, kToMasterStream)),
-          .phase = PhaseLock(loop.period, kStart + loop.period / 2),
-          .loop = loop};
-}
+Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
+    : loop(slave_loop_config(scene.proto)),
+      slave(slave_config(scene.proto)),
+      robot(make_robot(scene.proto, stream(seed, kRobotStream))),
+      link({.session = 2, .scene_hash = scene.shared_hash}),
+      to_slave(impairment(scene.proto.link().has_to_slave(), scene.proto.link().to_slave()),
+               stream(seed, kToSlaveStream)),
+      to_master(impairment(scene.proto.link().has_to_master(), scene.proto.link().to_master()),
+                stream(seed, kToMasterStream)),
+      phase(loop.period, kStart + loop.period / 2) {}
 
 void Loopback::run() {
   run_until(end_);

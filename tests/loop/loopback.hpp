@@ -59,17 +59,18 @@ class Loopback {
   static constexpr TimePoint kStart{std::chrono::seconds(1)};
 
   struct SlaveSide {
+    SlaveSide(const Scene& scene, std::uint64_t seed);
+
+    SlaveLoopConfig loop;
     Slave slave;
     AnyRobot robot;
     SlaveLink link;
     Impairment to_slave, to_master;
     PhaseLock phase;
-    SlaveLoopConfig loop;
     std::uint64_t ticked_sequence = 0;
     bool message_waits = false;
   };
 
-  SlaveSide make_slave(const Scene& scene, std::uint64_t seed) const;
   TimePoint next_event() const noexcept;
   TimePoint slave_due() const noexcept;
   void deliver() noexcept;
