@@ -92,7 +92,7 @@ bool MasterLoop::answered() const noexcept {
 void MasterLoop::await_answer(TimePoint until) noexcept {
   if (link_ == nullptr) return;
   receive();
-  while (!answered() && socket_->wait_readable(until)) receive();
+  while (!answered() && monotonic_now() < until && socket_->wait_readable(until)) receive();
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.

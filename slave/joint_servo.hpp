@@ -32,7 +32,7 @@ struct JointServoConfig {
   double derivative_cutoff_hz = 0;  // 0: none
   // Inertia each joint is tuned for [kg m^2], assumed (reference section 9.3).
   Vec6 inertia = (Vec6() << 0.5, 0.5, 0.3, 0.05, 0.05, 0.02).finished();
-  double command_cutoff_hz = 40;  // of dq_cmd
+  double command_cutoff_hz = 12;  // of dq_cmd
   bool gravity_compensation = false;
   std::optional<FrictionCompensationConfig> friction_compensation;
   std::optional<VelocityFeedforwardConfig> velocity_feedforward;

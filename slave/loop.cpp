@@ -26,7 +26,7 @@ void SlaveLoop::run(Duration limit) noexcept {
 void SlaveLoop::turn() noexcept {
   LoopTiming& timing = record_.timing;
   timing = {};
-  const bool on_arrival = await_message();
+  const auto arrival = await_message();
   const TimePoint planned = phase_.deadline();
   const TimePoint begin = monotonic_now();
 
@@ -43,7 +43,7 @@ void SlaveLoop::turn() noexcept {
   timing.compute = decided - sampled;
   timing.write = written - decided;
   timing.link = end - written;
-  phase_.ticked(begin, on_arrival);
+  phase_.ticked(begin, arrival);
   finish(planned, begin, end);
 }
 
@@ -68,16 +68,20 @@ Peer<MasterToSlave> SlaveLoop::master(TimePoint now) const noexcept {
   return stopping_ ? Peer<MasterToSlave>{} : peer<MasterToSlave>(link_, now, config_.lost);
 }
 
-bool SlaveLoop::await_message() noexcept {
-  const auto arrived = [this] {
-    return link_.newest() != nullptr && link_.newest()->sequence != ticked_sequence_;
+std::optional<TimePoint> SlaveLoop::await_message() noexcept {
+  const auto unused = [this]() -> std::optional<TimePoint> {
+    const auto* newest = link_.newest();
+    if (newest == nullptr || newest->sequence == ticked_sequence_) return {};
+    return newest->received;
   };
   sleep_until(phase_.earliest());
   receive();
-  while (!arrived() && socket_.wait_readable(phase_.deadline())) receive();
-  const bool on_arrival = arrived();
-  if (link_.newest() != nullptr) ticked_sequence_ = link_.newest()->sequence;
-  return on_arrival;
+  for (TimePoint due = phase_.due(unused()); monotonic_now() < due && socket_.wait_readable(due);
+       due = phase_.due(unused()))
+    receive();
+  const auto arrival = unused();
+  if (arrival) ticked_sequence_ = link_.newest()->sequence;
+  return arrival;
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only

@@ -40,7 +40,8 @@ class SlaveLoop {
 
  private:
   Peer<MasterToSlave> master(TimePoint now) const noexcept;
-  bool await_message() noexcept;
+  // Arrival of the message this tick uses; nothing: the deadline came first.
+  std::optional<TimePoint> await_message() noexcept;
   void receive() noexcept;
   void send() noexcept;
   void finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "common/random.hpp"
+
 namespace farhand {
 namespace {
 
@@ -12,14 +14,13 @@ constexpr TimePoint kStart{};
 // Runs the lock against messages that arrive at `phase` + k `spacing`; returns the tick instants.
 std::vector<TimePoint> run(Duration phase, Duration spacing, int ticks) {
   PhaseLock lock(kPeriod, kStart);
-  TimePoint arrival = kStart + phase, now = kStart - kPeriod;
+  TimePoint arrival = kStart + phase, now = kStart;
   std::vector<TimePoint> out;
   for (int k = 0; k < ticks; ++k) {
-    const TimePoint ready = std::max({lock.earliest(), arrival, now});
-    const bool on_arrival = ready <= lock.deadline();
-    now = on_arrival ? ready : lock.deadline();
-    while (arrival <= now) arrival += spacing;
-    lock.ticked(now, on_arrival);
+    std::optional<TimePoint> newest;
+    for (; arrival <= lock.due(newest); arrival += spacing) newest = arrival;
+    now = lock.due(newest);
+    lock.ticked(now, newest);
     out.push_back(now);
   }
   return out;
@@ -41,6 +42,23 @@ TEST(PhaseLock, FollowsAClockThatDrifts) {
   EXPECT_NEAR(static_cast<double>((ticks[19999] - ticks[9999]).count()), 1.00010e10, 1e6);
 }
 
+TEST(PhaseLock, JitterFarBeyondTheWindowHardlyChangesTheRate) {
+  Random random(5);
+  PhaseLock lock(kPeriod, kStart);
+  std::vector<TimePoint> arrivals;
+  for (int k = 0; k < 50000; ++k)
+    arrivals.push_back(kStart + k * kPeriod + from_seconds(0.003 * random.uniform()));
+  std::sort(arrivals.begin(), arrivals.end());
+  std::size_t next = 0;
+  int ticks = 0;
+  for (; next < arrivals.size(); ++ticks) {
+    std::optional<TimePoint> newest;
+    while (next < arrivals.size() && arrivals[next] <= lock.due(newest)) newest = arrivals[next++];
+    lock.ticked(lock.due(newest), newest);
+  }
+  EXPECT_NEAR(ticks, 50000, 250);
+}
+
 TEST(PhaseLock, WithoutArrivalsKeepsTheNominalRate) {
   const auto ticks = run(std::chrono::hours(1), kPeriod, 1000);
   for (std::size_t k = 1; k < ticks.size(); ++k) EXPECT_EQ(ticks[k] - ticks[k - 1], kPeriod);
@@ -48,16 +66,16 @@ TEST(PhaseLock, WithoutArrivalsKeepsTheNominalRate) {
 
 TEST(PhaseLock, OneLateMessageShiftsOneTickByNoMoreThanTheWindow) {
   PhaseLock lock(kPeriod, kStart);
-  lock.ticked(kStart, true);
+  lock.ticked(kStart, kStart);
   EXPECT_EQ(lock.deadline() - kStart, kPeriod + kPeriod / 4);
-  lock.ticked(lock.deadline(), false);
+  lock.ticked(lock.deadline(), {});
   EXPECT_EQ(lock.deadline() - kStart, 2 * kPeriod + kPeriod / 4);
 }
 
 TEST(PhaseLock, AStallIsSkippedAndCountedNotMadeUp) {
   PhaseLock lock(kPeriod, kStart);
   const TimePoint late = kStart + microseconds(7300);
-  lock.ticked(late, false);
+  lock.ticked(late, {});
   EXPECT_GT(lock.deadline(), late);
   EXPECT_LE(lock.earliest(), late + kPeriod);
   EXPECT_EQ(lock.missed(), 7u);

@@ -82,8 +82,7 @@ TimePoint Loopback::next_event() const noexcept {
 }
 
 TimePoint Loopback::slave_due() const noexcept {
-  return slave_->message_waits ? std::max(slave_->phase.earliest(), now_)
-                               : slave_->phase.deadline();
+  return slave_->phase.due(slave_->arrival);
 }
 
 void Loopback::deliver() noexcept {
@@ -94,7 +93,8 @@ void Loopback::deliver() noexcept {
        d = slave_->to_master.pop(now_, buffer_))
     link_.receive(d, now_);
   const auto* newest = slave_->link.newest();
-  slave_->message_waits = newest != nullptr && newest->sequence != slave_->ticked_sequence;
+  if (newest != nullptr && newest->sequence != slave_->ticked_sequence)
+    slave_->arrival = newest->received;
 }
 
 void Loopback::slave_tick() {
@@ -105,9 +105,9 @@ void Loopback::slave_tick() {
   write(s.robot, now_, tick.tau);
   push(s.to_master, s.link.hello_due(now_), now_);
   push(s.to_master, s.link.encode(tick.out, now_), now_);
-  s.phase.ticked(now_, s.message_waits);
+  s.phase.ticked(now_, s.arrival);
+  s.arrival.reset();
   if (s.link.newest() != nullptr) s.ticked_sequence = s.link.newest()->sequence;
-  s.message_waits = false;
   on_slave(tick);
 }
 

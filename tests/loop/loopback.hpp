@@ -68,7 +68,7 @@ class Loopback {
     Impairment to_slave, to_master;
     PhaseLock phase;
     std::uint64_t ticked_sequence = 0;
-    bool message_waits = false;
+    std::optional<TimePoint> arrival;  // of the newest message no tick has used
   };
 
   TimePoint next_event() const noexcept;
