@@ -7,7 +7,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A handle held still at home by a hand that is not there, and a slave whose answer is always the one set here.
+// A handle held still at home by a hand that is not there, and a slave whose answer is always the
+// one set here.
 struct Rig {
   explicit Rig(MasterConfig config = default_config()) : master(config) {
     reading.theta = motor_angles(kTwinDelta, {}).theta1;

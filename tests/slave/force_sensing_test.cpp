@@ -6,13 +6,15 @@ namespace farhand {
 namespace {
 
 TEST(ForceSensing, RemovesBiasAndToolWeightInAnyOrientation) {
-  const ForceSensingConfig config{.tool_mass = 0.7, .p_ET = Vec3(0.01, -0.02, 0.05), .bias = Vec3(1, -2, 0.5)};
+  const ForceSensingConfig config{
+      .tool_mass = 0.7, .p_ET = Vec3(0.01, -0.02, 0.05), .bias = Vec3(1, -2, 0.5)};
   ForceSensing sensing(config, 0.001);
   for (int k = 0; k < 50; ++k) {
     const Pose X_SE{rotation(Vec3(0.1 * k, -0.07 * k, 0.3)), Vec3::Zero()};
     const Wrench contact{Vec3(k, 2, -3), Vec3(0.1, 0.01 * k, 0)};
     const Vec3 weight(0, 0, -0.7 * 9.81);
-    const Wrench raw = contact + Wrench{X_SE.R * config.bias + weight, (X_SE.R * config.p_ET).cross(weight)};
+    const Wrench raw =
+        contact + Wrench{X_SE.R * config.bias + weight, (X_SE.R * config.p_ET).cross(weight)};
     const Wrench F = sensing.step(raw, X_SE);
     EXPECT_NEAR((F.force - contact.force).norm(), 0, 1e-13);
     EXPECT_NEAR((F.torque - contact.torque).norm(), 0, 1e-14);

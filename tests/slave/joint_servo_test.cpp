@@ -1,0 +1,86 @@
+#include "slave/joint_servo.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "slave/arm.hpp"
+
+namespace farhand {
+namespace {
+
+TEST(JointServo, GravityCompensationCarriesTheArmWithoutAnError) {
+  const ArmModel model;
+  JointServo with({.gravity_compensation = true}, model, 0.001), without({}, model, 0.001);
+  const Vec6 tau = with.step(kTeleopHome, kTeleopHome);
+  EXPECT_NEAR((tau - gravity_torques(make_arm_dynamics(model), kTeleopHome)).norm(), 0, 1e-12);
+  EXPECT_EQ(without.step(kTeleopHome, kTeleopHome), Vec6::Zero());
+}
+
+TEST(JointServo, PushesTowardsTheCommandInProportion) {
+  JointServo servo({.integral_per_s = 0}, {}, 0.001);
+  servo.step(kTeleopHome, kTeleopHome);
+  const Vec6 ahead = kTeleopHome + Vec6::Constant(0.001);
+  const Vec6 tau = servo.step(ahead, kTeleopHome);
+  const double w = 2 * std::numbers::pi * 6;
+  for (int i = 0; i < 6; ++i)
+    EXPECT_NEAR(tau[i], JointServoConfig{}.inertia[i] * w * w * 0.001, 1e-12);
+}
+
+TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
+  JointServo servo({.integral_per_s = 0, .velocity_feedforward = VelocityFeedforwardConfig{}}, {},
+                   0.001);
+  Vec6 tau;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec6 q = Vec6::Constant(0.0002 * k);  // a joint exactly on a command that moves steadily
+    tau = servo.step(q, q);
+  }
+  EXPECT_NEAR(tau.norm(), 0, 1e-9);
+}
+
+TEST(JointServo, FrictionCompensationFollowsTheCommandedDirection) {
+  const ArmModel model;
+  JointServo servo({.integral_per_s = 0, .friction_compensation = FrictionCompensationConfig{}},
+                   model, 0.001);
+  const JointServoConfig config;
+  Vec6 tau;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec6 q = Vec6::Constant(-0.0005 * k);
+    tau = servo.step(q, q);
+  }
+  for (int i = 0; i < 6; ++i) {
+    const double damping =
+        2 * config.damping_ratio * 2 * std::numbers::pi * config.bandwidth_hz * config.inertia[i];
+    EXPECT_NEAR(tau[i], -(model.links[i].coulomb + 0.5 * model.links[i].viscous) + 0.5 * damping,
+                1e-6)
+        << i;
+  }
+}
+
+TEST(JointServo, NeverExceedsTheModelsTorqueLimits) {
+  const ArmModel model;
+  JointServo servo({.gravity_compensation = true}, model, 0.001);
+  const Vec6 tau = servo.step(kTeleopHome + Vec6::Constant(2), kTeleopHome);
+  for (int i = 0; i < 6; ++i) EXPECT_LE(std::abs(tau[i]), model.links[i].torque_limit);
+  EXPECT_TRUE(servo.saturated());
+  servo.reset();
+  EXPECT_FALSE(servo.saturated());
+}
+
+TEST(JointServo, ItsPredictedErrorIsThatOfASimulatedJoint) {
+  const JointServoConfig config;
+  const double w = 2 * std::numbers::pi * 0.4, Ts = 0.001, J = config.inertia[0];
+  const Pid pid = make_pid(joint_gains(config, J, 1e9), Ts);
+  PidState state;
+  double q = 0, dq = 0, peak = 0;
+  for (int k = 0; k < 30000; ++k) {
+    const double r = std::sin(w * Ts * k);
+    if (k > 20000) peak = std::max(peak, std::abs(r - q));
+    dq += Ts * step(pid, state, r, q) / J;
+    q += Ts * dq;
+  }
+  EXPECT_NEAR(peak, std::abs(servo_error(config, w)), 0.01 * peak);
+}
+
+}  // namespace
+}  // namespace farhand
