@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <random>
 
+#include "common/realtime.hpp"
+
 namespace farhand {
 namespace {
 
@@ -50,6 +52,7 @@ int run_program(int argc, char** argv, const std::string& name, const std::strin
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : kUsageError;
   }
+  catch_stop_signals();
   return run_guarded(name, [&] { return body(options); });
 }
 
@@ -73,8 +76,8 @@ void require_slave(const Scene& scene) {
                              " has no slave: run it with farhand-master or farhand-loopback alone");
 }
 
-void announce(const std::string& name, const Scene& scene, const std::string& where) {
-  spdlog::info("{} runs {} at {:g} Hz, {}", name, scene.path, scene.proto.rate_hz(), where);
+void announce(const Scene& scene, const std::string& where) {
+  spdlog::info("runs {} at {:g} Hz, {}", scene.path, scene.proto.rate_hz(), where);
 }
 
 void warn_each(const std::vector<std::string>& sentences) {

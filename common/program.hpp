@@ -48,7 +48,7 @@ bool print_only(const ProgramOptions& options, const Scene& scene, const Stages&
 void require_slave(const Scene& scene);
 
 // Start-up line and warnings, on stderr.
-void announce(const std::string& name, const Scene& scene, const std::string& where);
+void announce(const Scene& scene, const std::string& where);
 void warn_each(const std::vector<std::string>& sentences);
 
 // From the system's random source; never 0.

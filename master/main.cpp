@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
         MasterStatus status(scene.shared_hash, options.quiet);
         Recorder<MasterRecord> recorder([&](const MasterRecord& r) { status.add(r); });
 
-        announce("farhand-master", scene,
+        announce(scene,
                  socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
         warn_each(enter_realtime(kLoopPriority));
         MasterLoop(master_loop_config(scene.proto), master, device, link ? &*link : nullptr,

@@ -22,7 +22,7 @@ int main(int argc, char** argv) {
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
 
-        announce("farhand-slave", scene, "listening on " + to_string(socket.local()));
+        announce(scene, "listening on " + to_string(socket.local()));
         warn_each(enter_realtime(kLoopPriority));
         SlaveLoop(slave_loop_config(scene.proto), slave, robot, link, socket, recorder)
             .run(options.limit());
