@@ -87,7 +87,7 @@ inline Wrench limit_wrench(const WrenchLimits& limits, Wrench wanted, const Wren
 // Motor torques of the handle: scaled as a whole to `max` [N m], then the change scaled to
 // `max_step` [N m per tick]. Not finite: zero at once, the one case in which the hand is let go
 // without a ramp.
-inline Vec6 limit_motor_torques(double max, double max_step, Vec6 tau, const Vec6& last,
+inline Vec6 limit_motor_torques(double max, double max_step, const Vec6& tau, const Vec6& last,
                                 LimitSet& set) noexcept {
   if (!is_finite(tau)) {
     set |= kLimitNotFinite;

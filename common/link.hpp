@@ -62,9 +62,9 @@ struct Received {
   In message;
   std::uint64_t sequence = 0;
   std::uint64_t echo_sequence = 0;  // our newest that the peer had when it sent this
-  TimePoint received{};  // our clock
-  Duration sent{};       // the peer's clock, since its epoch
-  Duration transit{};    // estimate of the way here, as of its arrival; 0 while unknown
+  TimePoint received{};             // our clock
+  Duration sent{};                  // the peer's clock, since its epoch
+  Duration transit{};               // estimate of the way here, as of its arrival; 0 while unknown
   bool transit_known = false;
 
   Duration age(TimePoint now) const noexcept { return now - received + transit; }

@@ -34,8 +34,8 @@ struct Scene {
 
 // what() is the line above; the members are its parts.
 struct SceneError : std::runtime_error {
-  SceneError(const std::string& what, int line_, int column_, std::string field_)
-      : std::runtime_error(what), line(line_), column(column_), field(std::move(field_)) {}
+  SceneError(const std::string& what, int at_line, int at_column, std::string at_field)
+      : std::runtime_error(what), line(at_line), column(at_column), field(std::move(at_field)) {}
   int line;
   int column;
   std::string field;  // "scene" for the file as a whole

@@ -54,7 +54,8 @@ std::string bind_remedy(const error_code& ec) {
 UdpAddress parse_udp_address(const std::string& text) {
   const auto address = parse_address(text);
   error_code ec;
-  const asio::ip::address host = address ? asio::ip::make_address(address->host, ec) : asio::ip::address();
+  const asio::ip::address host =
+      address ? asio::ip::make_address(address->host, ec) : asio::ip::address();
   if (!address || ec)
     throw std::invalid_argument("udp: '" + text +
                                 "' is not an address and port; write them as numbers, such as "

@@ -1,5 +1,6 @@
 #include "master/loop.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace farhand {
@@ -63,7 +64,9 @@ void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
   next_ += config_.period;
   if (end > next_) {
     timing.overrun = true;
-    const auto shares = split_.split(end - next_, timing.woken_late);
+    // An answer awaited beyond the cut-off is the machine's doing too: ppoll came back late.
+    const Duration overslept = std::max(timing.wait - config_.cut_off, Duration(0));
+    const auto shares = split_.split(end - next_, timing.woken_late + overslept);
     timing.overrun_own = shares.own;
     timing.overrun_machine = shares.machine;
     next_ += ((end - next_) / config_.period) * config_.period;

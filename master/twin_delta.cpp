@@ -101,7 +101,7 @@ TwinDeltaJacobian assemble(const TwinDeltaGeometry& g, const std::array<Vec3, 2>
                            double length) noexcept {
   TwinDeltaJacobian J{.R_MG = R_MG, .length = length, .k_force = g.k, .k_velocity = lossless_k(g)};
   for (int half = 0; half < 2; ++half)
-    J.half[half] = half_map(g, e[half], cos1.data() + kHalf * half, sin1.data() + kHalf * half);
+    J.half[half] = half_map(g, e[half], &cos1[kHalf * half], &sin1[kHalf * half]);
   const bool regular = J.half[0].status == Status::ok && J.half[1].status == Status::ok;
   J.status = regular && length > 0 ? Status::ok : Status::singular;
   return J;
@@ -143,7 +143,7 @@ TwinDeltaInverse inverse(const TwinDeltaGeometry& g, const TwinDeltaPose& pose) 
 TwinDeltaMotorAngles motor_angles(const TwinDeltaGeometry& g, const TwinDeltaPose& pose) noexcept {
   if (!finite(pose)) return {};
   const std::array<Vec3, 2> e = ends_in_halves(g, pose);
-  std::array<Direction, 2 * kHalf> arm;
+  std::array<Direction, 6> arm;
   for (int k = 0; k < 2 * kHalf; ++k) {
     const int i = k % kHalf;
     const Leg leg = close(g, i, reach_vector(g, i, e[k / kHalf]));

@@ -55,7 +55,7 @@ void SimArm::advance(TimePoint now) noexcept {
   last_ = now;
   status_.skipped += elapsed - simulated;
   const double T = seconds(simulated);
-  const int n = std::max(1, static_cast<int>(T * config_.rate_hz + 0.5));
+  const int n = std::max(1, static_cast<int>(std::lround(T * config_.rate_hz)));
   for (int i = 0; i < n; ++i) step(T / n);
 }
 

@@ -146,7 +146,7 @@ TEST(Master, AnglesThatNoHandleCanHaveKeepTheLastPoseAndEndTheEngagement) {
   Rig rig;
   rig.engage();
   const Vec3 p = rig.sent.p_MH;
-  rig.reading.theta = Vec6::Constant(2.5);
+  rig.reading.theta << 1.371, -1.007, 0.061, 0.377, -2.157, -1.430;  // the forearms do not meet
   EXPECT_EQ(rig.tick().mode, Mode::idle);
   EXPECT_EQ(rig.sent.p_MH, p);
   rig.reading.theta = Vec6::Constant(NAN);
