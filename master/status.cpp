@@ -38,13 +38,30 @@ std::string summary_rows(const MasterSummary& s) {
   return out + limit_row(s.limits);
 }
 
+// A slave never answers a stranger, nor a master with another scene: only the silence can be told.
+void MasterStatus::watch_silence(const MasterRecord& r) {
+  constexpr Duration kPatience = std::chrono::seconds(3);
+  if (summary_.ticks == 1) first_ = r.tick.now;
+  if (silence_told_ || r.tick.position_controlled || r.link.received > 0 ||
+      r.tick.now - first_ < kPatience)
+    return;
+  silence_told_ = true;
+  spdlog::warn("no answer from the slave: is it running, at that address, with the same scene?");
+}
+
 void MasterStatus::add(const MasterRecord& r) {
   summary_.add(r.tick);
+  watch_silence(r);
   loop_.add(r.timing, r.link);
   if (r.link.refusal.reason != told_) {
     told_ = r.link.refusal.reason;
     if (const auto sentence = refusal_sentence(r.link.refusal, scene_hash_); !sentence.empty())
       spdlog::error("{}", sentence);
+  }
+  if (r.tick.mode != mode_) {
+    line_.end();
+    spdlog::info("{} -> {}", to_string(mode_), to_string(r.tick.mode));
+    mode_ = r.tick.mode;
   }
   if (line_.due(r.tick.now)) line_.show(live_line(r, loop_.overruns));
 }

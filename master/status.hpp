@@ -21,10 +21,15 @@ class MasterStatus {
   std::string final_table(std::uint64_t records_lost);
 
  private:
+  void watch_silence(const MasterRecord& record);
+
   std::uint64_t scene_hash_;
   StatusLine line_;
   MasterSummary summary_;
   LoopReport loop_;
+  Mode mode_ = Mode::idle;
+  TimePoint first_{};
+  bool silence_told_ = false;
   PeerRefusal::Reason told_ = PeerRefusal::Reason::none;
 };
 

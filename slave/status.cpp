@@ -48,6 +48,11 @@ void SlaveStatus::add(const SlaveRecord& r) {
     if (const auto sentence = refusal_sentence(r.link.refusal, scene_hash_); !sentence.empty())
       spdlog::error("{}", sentence);
   }
+  if (r.tick.mode != mode_) {
+    line_.end();
+    spdlog::info("{} -> {}", to_string(mode_), to_string(r.tick.mode));
+    mode_ = r.tick.mode;
+  }
   if (line_.due(r.tick.now)) line_.show(live_line(r, loop_.overruns));
 }
 

@@ -25,6 +25,7 @@ class SlaveStatus {
   StatusLine line_;
   SlaveSummary summary_;
   LoopReport loop_;
+  Mode mode_ = Mode::idle;
   PeerRefusal::Reason told_ = PeerRefusal::Reason::none;
 };
 

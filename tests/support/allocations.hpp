@@ -5,14 +5,6 @@
 #include <atomic>
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FARHAND_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define FARHAND_SANITIZED 1
-#endif
-#endif
-
 namespace farhand {
 
 inline std::atomic<std::size_t> heap_allocations{0};

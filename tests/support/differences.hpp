@@ -9,13 +9,6 @@
 namespace farhand::support {
 
 // Sanitizers slow the kinematics by an order of magnitude: there a tenth of the poses will do.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FARHAND_SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define FARHAND_SANITIZED 1
-#endif
-#endif
 #ifdef FARHAND_SANITIZED
 inline constexpr int kRandomPoses = 100'000;
 #else

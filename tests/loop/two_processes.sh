@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# farhand-slave and farhand-master as two processes over UDP on this machine:
+#
+#   master (simulated hand) ---- 127.0.0.1 ---- slave (simulated arm)
+#
+# Each case waits for what the programs say, with generous time-outs; none asserts a time. Usage: two_processes.sh BIN_DIR
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+bin="$1"
+scene=tests/loop/presses.textproto
+port=$((20000 + RANDOM % 20000))
+dir="$(mktemp -d)"
+passed=0
+trap 'kill -9 $(jobs -p) 2>/dev/null || true; rm -rf "$dir"' EXIT
+
+# SIGKILL is part of the test: bash need not tell.
+set +m
+start_slave() { "$bin/farhand-slave" "${1:-$scene}" --quiet --listen "127.0.0.1:$port" >"$dir/slave" 2>&1 & slave=$!; }
+start_master() { "$bin/farhand-master" "${1:-$scene}" --quiet --slave "127.0.0.1:$port" >"$dir/master" 2>&1 & master=$!; }
+
+fail() {
+  echo "FAILED: $*"
+  tail -n 30 "$dir"/slave "$dir"/master
+  exit 1
+}
+pass() {
+  passed=$((passed + 1))
+  echo "ok: $*"
+}
+# wait_for FILE PATTERN COUNT: until FILE has PATTERN at least COUNT times, 20 s at most.
+wait_for() {
+  for _ in $(seq 200); do
+    (($(grep -c -- "$2" "$dir/$1" || true) >= $3)) && return
+    sleep 0.1
+  done
+  fail "$1 never said '$2' $3 times"
+}
+# Ends both sides in order and waits for their tables.
+stop_both() {
+  kill "-$1" "$master" "$slave"
+  wait "$master" || fail "the master's exit status was $?"
+  wait "$slave" || fail "the slave's exit status was $?"
+}
+mode_lines() { grep -o -- '[A-Z]* -> [A-Z]*' "$dir/$1" || true; }
+
+for signal in INT TERM; do
+  start_slave
+  start_master
+  wait_for slave 'READY -> ENGAGED' 2
+  wait_for master 'READY -> ENGAGED' 2
+  stop_both "$signal"
+  grep -q 'dropped 0' "$dir/master" || fail "the master dropped datagrams"
+  grep -q 'tracking free' "$dir/slave" || fail "the slave's table has no tracking"
+  pass "engages at each press, ends in order on SIG$signal"
+done
+
+start_slave
+start_master
+wait_for slave 'READY -> ENGAGED' 1
+kill -9 "$master"
+wait "$master" 2>/dev/null || true
+wait_for slave 'ENGAGED -> HOLDING' 1
+wait_for slave 'HOLDING -> IDLE' 1
+before="$(grep -c 'ENGAGED$' "$dir/slave" || true)"
+start_master
+wait_for slave 'IDLE -> READY' 2
+wait_for slave 'READY -> ENGAGED' $((before + 1))
+mode_lines slave | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the slave engaged without a release"
+stop_both INT
+pass "kill -9 of the master: the robot is held, then ready for a new master, and moves only after a new press"
+
+start_slave
+start_master
+wait_for master 'READY -> ENGAGED' 1
+kill -9 "$slave"
+wait "$slave" 2>/dev/null || true
+wait_for master 'ENGAGED -> HOLDING' 1
+wait_for master 'HOLDING -> IDLE' 1
+start_slave
+wait_for master 'IDLE -> READY' 2
+wait_for master 'READY -> ENGAGED' 2
+mode_lines master | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the master engaged without a release"
+stop_both INT
+pass "kill -9 of the slave: the force fades, the master is ready again when it returns, and engages only after a new press"
+
+start_slave
+start_master
+wait_for master 'READY -> ENGAGED' 1
+for i in $(seq 2000); do printf 'garbage %d \x00\xff<>' "$i" >"/dev/udp/127.0.0.1/$port" || true; done
+wait_for slave 'READY -> ENGAGED' 2
+stop_both INT
+grep -q 'ENGAGED -> HOLDING' "$dir/slave" && fail "garbage stopped the slave"
+dropped="$(sed -n 's/.*dropped \([0-9]*\),.*/\1/p' "$dir/slave")"
+((dropped >= 1000)) || fail "2000 garbage datagrams, $dropped dropped"
+pass "garbage from a stranger is dropped and counted ($dropped), motion goes on"
+
+sed 's/^slave {/link { stale_ms: 30 }\nslave {/' "$scene" >"$dir/other.textproto"
+start_slave
+start_master "$dir/other.textproto"
+wait_for master 'no answer from the slave' 1
+wait_for slave 'another scene' 1
+stop_both INT
+[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different scenes left IDLE"
+pass "different scenes: the slave says so, the master that nobody answers, and both stay idle"
+
+echo "$passed passed, 0 failed"
