@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <random>
 
+#include "common/address.hpp"
 #include "common/realtime.hpp"
 
 namespace farhand {
@@ -74,6 +75,18 @@ void require_slave(const Scene& scene) {
   if (!scene.proto.has_slave())
     throw std::runtime_error(scene.path +
                              " has no slave: run it with farhand-master or farhand-loopback alone");
+}
+
+UdpAddress plain_address(const std::optional<std::string>& flag, const std::string& scenes,
+                         const Scene& scene) {
+  const std::string& text = flag ? *flag : scenes;
+  const auto address = parse_address(text);
+  if (address && !address->loopback && !scene.proto.link().insecure())
+    throw std::runtime_error(
+        text +
+        " reaches beyond this machine, and plain datagrams are neither encrypted nor "
+        "authenticated; say link { insecure: true } in the scene if the network is your own");
+  return parse_udp_address(text);
 }
 
 void announce(const Scene& scene, const std::string& where) {

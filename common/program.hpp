@@ -11,6 +11,7 @@
 
 #include "common/scene.hpp"
 #include "common/time.hpp"
+#include "common/udp.hpp"
 
 namespace farhand {
 
@@ -46,6 +47,11 @@ bool print_only(const ProgramOptions& options, const Scene& scene, const Stages&
 
 // Throws with a sentence if the scene has no slave.
 void require_slave(const Scene& scene);
+
+// The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this
+// machine and the scene does not say insecure.
+UdpAddress plain_address(const std::optional<std::string>& flag, const std::string& scenes,
+                         const Scene& scene);
 
 // Start-up line and warnings, on stderr.
 void announce(const Scene& scene, const std::string& where);

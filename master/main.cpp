@@ -23,9 +23,8 @@ int main(int argc, char** argv) {
           link.emplace(LinkConfig{.session = random_session(),
                                   .scene_hash = scene.shared_hash,
                                   .capabilities = capabilities});
-          socket.emplace(
-              parse_udp_address(options.listen.value_or(scene.proto.link().master_address())),
-              parse_udp_address(options.slave.value_or(scene.proto.link().slave_address())));
+          socket.emplace(plain_address(options.listen, scene.proto.link().master_address(), scene),
+                         plain_address(options.slave, scene.proto.link().slave_address(), scene));
         }
         MasterStatus status(scene.shared_hash, options.quiet);
         Recorder<MasterRecord> recorder([&](const MasterRecord& r) { status.add(r); });

@@ -17,8 +17,7 @@ int main(int argc, char** argv) {
         Slave slave(slave_config(scene.proto));
         AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
         SlaveLink link({.session = random_session(), .scene_hash = scene.shared_hash});
-        UdpSocket socket(
-            parse_udp_address(options.listen.value_or(scene.proto.link().slave_address())));
+        UdpSocket socket(plain_address(options.listen, scene.proto.link().slave_address(), scene));
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
 
