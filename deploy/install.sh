@@ -2,8 +2,7 @@
 # Installs what building needs on Debian 12, and with --tests also what the tests and checks need. Does nothing if all is there.
 set -euo pipefail
 
-packages=(g++ cmake ninja-build libboost-dev libprotobuf-dev protobuf-compiler libeigen3-dev libspdlog-dev libcli11-dev
-          libusb-1.0-0-dev)
+packages=(g++ cmake ninja-build libboost-dev libprotobuf-dev protobuf-compiler libeigen3-dev libspdlog-dev libcli11-dev)
 if [[ "${1:-}" == --tests ]]; then
   # MuJoCo and KDL serve as independent oracles; MuJoCo's CMake files ask for qhull and OpenGL.
   packages+=(libgtest-dev nlohmann-json3-dev libmujoco-dev libqhull-dev libgl-dev liborocos-kdl-dev valgrind

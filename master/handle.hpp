@@ -59,7 +59,6 @@ class HandleVelocity {
  public:
   HandleVelocity(double cutoff_hz, double Ts) noexcept;
   const Twist& step(const Pose& X_MH) noexcept;  // at H, axes of M
-  void reset() noexcept { primed_ = false; }
 
  private:
   double gain_per_Ts_;

@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "common/loop_report.hpp"
-#include "common/status_line.hpp"
+#include "common/loop_watch.hpp"
 #include "master/loop.hpp"
 #include "master/summary.hpp"
 
@@ -16,21 +15,17 @@ std::string summary_rows(const MasterSummary& summary);
 
 class MasterStatus {
  public:
-  MasterStatus(std::uint64_t scene_hash, bool quiet) : scene_hash_(scene_hash), line_(quiet) {}
+  MasterStatus(std::uint64_t scene_hash, bool quiet) : watch_(scene_hash, quiet) {}
   void add(const MasterRecord& record);
   std::string final_table(std::uint64_t records_lost);
 
  private:
   void watch_silence(const MasterRecord& record);
 
-  std::uint64_t scene_hash_;
-  StatusLine line_;
+  LoopWatch watch_;
   MasterSummary summary_;
-  LoopReport loop_;
-  Mode mode_ = Mode::idle;
   TimePoint first_{};
   bool silence_told_ = false;
-  PeerRefusal::Reason told_ = PeerRefusal::Reason::none;
 };
 
 }  // namespace farhand

@@ -223,8 +223,12 @@ Vec6 solve(Matrix& M, std::array<double, 6>& b) {
 }  // namespace
 
 ArmDynamics make_arm_dynamics(const ArmModel& m) noexcept {
-  ArmDynamics arm{
-      .d1 = m.d1, .a2 = m.a2, .d4 = m.d4, .d6 = m.d6, .armature = m.armature, .gravity = m.gravity};
+  ArmDynamics arm{.d1 = m.lengths.d1,
+                  .a2 = m.lengths.a2,
+                  .d4 = m.lengths.d4,
+                  .d6 = m.lengths.d6,
+                  .armature = m.armature,
+                  .gravity = m.gravity};
   for (std::size_t i = 0; i < 6; ++i) {
     const LinkModel& l = m.links[i];
     const Vec3 h = l.mass * l.com;

@@ -14,6 +14,7 @@
 
 #include "common/geometry.hpp"
 #include "common/sincos.hpp"
+#include "slave/arm.hpp"
 
 namespace farhand {
 
@@ -28,7 +29,7 @@ struct LinkModel {
 
 // Lengths are the robot's own; everything else is assumed: a plausible 0.9 m, 7.3 kg arm.
 struct ArmModel {
-  double d1 = 0.26, a2 = 0.25, d4 = 0.24, d6 = 0.14;
+  ArmGeometry lengths;
   std::array<LinkModel, 6> links{
       {{2.0, {0, 0, 0.20}, {0.0120, 0.0120, 0.0040}, 60, 1.0, 0.5},    // assumed
        {2.2, {0.125, 0, 0}, {0.0040, 0.0140, 0.0140}, 60, 1.0, 0.5},   // assumed

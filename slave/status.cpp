@@ -1,7 +1,6 @@
 #include "slave/status.hpp"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 
 #include <numbers>
 
@@ -42,23 +41,12 @@ std::string summary_rows(const SlaveSummary& s) {
 
 void SlaveStatus::add(const SlaveRecord& r) {
   summary_.add(r.tick);
-  loop_.add(r.timing, r.link);
-  if (r.link.refusal.reason != told_) {
-    told_ = r.link.refusal.reason;
-    if (const auto sentence = refusal_sentence(r.link.refusal, scene_hash_); !sentence.empty())
-      spdlog::error("{}", sentence);
-  }
-  if (r.tick.mode != mode_) {
-    line_.end();
-    spdlog::info("{} -> {}", to_string(mode_), to_string(r.tick.mode));
-    mode_ = r.tick.mode;
-  }
-  if (line_.due(r.tick.now)) line_.show(live_line(r, loop_.overruns));
+  watch_.add(r.tick.mode, r.timing, r.link);
+  watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
 }
 
 std::string SlaveStatus::final_table(std::uint64_t records_lost) {
-  line_.end();
-  return "slave\n" + summary_rows(summary_) + loop_.table() + lost_records_row(records_lost);
+  return "slave\n" + summary_rows(summary_) + watch_.end(records_lost);
 }
 
 }  // namespace farhand

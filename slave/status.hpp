@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "common/loop_report.hpp"
-#include "common/status_line.hpp"
+#include "common/loop_watch.hpp"
 #include "slave/loop.hpp"
 #include "slave/summary.hpp"
 
@@ -16,17 +15,13 @@ std::string summary_rows(const SlaveSummary& summary);
 
 class SlaveStatus {
  public:
-  SlaveStatus(std::uint64_t scene_hash, bool quiet) : scene_hash_(scene_hash), line_(quiet) {}
+  SlaveStatus(std::uint64_t scene_hash, bool quiet) : watch_(scene_hash, quiet) {}
   void add(const SlaveRecord& record);
   std::string final_table(std::uint64_t records_lost);
 
  private:
-  std::uint64_t scene_hash_;
-  StatusLine line_;
+  LoopWatch watch_;
   SlaveSummary summary_;
-  LoopReport loop_;
-  Mode mode_ = Mode::idle;
-  PeerRefusal::Reason told_ = PeerRefusal::Reason::none;
 };
 
 }  // namespace farhand

@@ -35,8 +35,8 @@ struct MujocoArm {
     const Eigen::IOFormat row(17, Eigen::DontAlignCols, " ", " ");
     out << "<mujoco><compiler angle='radian'/><option gravity='"
         << arm.gravity.transpose().format(row) << "'/><worldbody>";
-    const Vec3 offset[] = {{0, 0, 0}, {0, 0, arm.d1}, {arm.a2, 0, 0},
-                           {0, 0, 0}, {0, 0, arm.d4}, {0, 0, 0}};
+    const Vec3 offset[] = {{0, 0, 0}, {0, 0, arm.lengths.d1}, {arm.lengths.a2, 0, 0},
+                           {0, 0, 0}, {0, 0, arm.lengths.d4}, {0, 0, 0}};
     const int turn[] = {0, 1, 0, 1, -1, 1};
     for (int i = 0; i < 6; ++i) {
       const LinkModel& l = arm.links[static_cast<std::size_t>(i)];
@@ -47,7 +47,7 @@ struct MujocoArm {
           << l.inertia.transpose().format(row) << "'/><joint axis='0 0 1' armature='"
           << arm.armature << "'/>";
     }
-    out << "<site name='E' pos='0 0 " << arm.d6 << "'/>";
+    out << "<site name='E' pos='0 0 " << arm.lengths.d6 << "'/>";
     for (int i = 0; i < 6; ++i) out << "</body>";
     out << "</worldbody></mujoco>";
     return out.str();
@@ -101,7 +101,7 @@ ArmModel crooked_arm() {
   Draw draw;
   m.gravity = Vec3(1.5, -2.5, -9);
   m.armature = 0.003;
-  m.d1 = 0.4, m.a2 = 0.31, m.d4 = 0.19, m.d6 = 0.23;
+  m.lengths = {.d1 = 0.4, .a2 = 0.31, .d4 = 0.19, .d6 = 0.23};
   for (auto& l : m.links) {
     l.mass = 1.5 + draw(1.0);
     l.com = draw.vector<Vec3>(0.1);
