@@ -11,7 +11,7 @@ ForceSensing::ForceSensing(const ForceSensingConfig& config, double Ts) noexcept
 const Wrench& ForceSensing::step(const Wrench& raw_E_S, const Pose& X_SE) noexcept {
   if (!is_finite(raw_E_S)) return F_E_S_;
   const Vec3 weight_S = config_.tool_mass * config_.gravity_S;
-  const Wrench known{X_SE.R * config_.bias + weight_S, (X_SE.R * config_.p_ET).cross(weight_S)};
+  const Wrench known{X_SE.R * config_.bias - weight_S, weight_S.cross(X_SE.R * config_.p_ET)};
   const Wrench clean = raw_E_S - known;
   if (!primed_) F_E_S_ = clean, primed_ = true;
   F_E_S_ = F_E_S_ + gain_ * (clean - F_E_S_);

@@ -1,6 +1,6 @@
 // From the robot's raw force/torque sensor to the wrench the robot exerts on its surroundings:
-// constant bias and the weight of the tool removed (reference section 8), optionally through one
-// pole.
+// constant bias and the force that carries the tool (against its weight) removed (reference section
+// 8), optionally through one pole.
 #pragma once
 
 #include "common/geometry.hpp"

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "slave/arm.hpp"
+#include "slave/sim_arm.hpp"
+
 namespace farhand {
 namespace {
 
@@ -13,12 +16,26 @@ TEST(ForceSensing, RemovesBiasAndToolWeightInAnyOrientation) {
     const Pose X_SE{rotation(Vec3(0.1 * k, -0.07 * k, 0.3)), Vec3::Zero()};
     const Wrench contact{Vec3(k, 2, -3), Vec3(0.1, 0.01 * k, 0)};
     const Vec3 weight(0, 0, -0.7 * 9.81);
-    const Wrench raw =
-        contact + Wrench{X_SE.R * config.bias + weight, (X_SE.R * config.p_ET).cross(weight)};
+    const Wrench carried{-weight, -(X_SE.R * config.p_ET).cross(weight)};
+    const Wrench raw = contact + Wrench{X_SE.R * config.bias, Vec3::Zero()} + carried;
     const Wrench F = sensing.step(raw, X_SE);
     EXPECT_NEAR((F.force - contact.force).norm(), 0, 1e-13);
     EXPECT_NEAR((F.torque - contact.torque).norm(), 0, 1e-14);
   }
+}
+
+TEST(ForceSensing, RobotAtRestInFreeSpaceFeelsNothing) {
+  SimArmConfig robot{.q = kTeleopHome};
+  robot.sensor = {.bias_E = {Vec3(0.4, -0.3, 0.2), Vec3::Zero()},
+                  .tool_mass_kg = 0.2,
+                  .tool_com_E = Vec3(0.01, 0, 0.03)};
+  SimArm arm(robot);
+  ForceSensing sensing(
+      {.tool_mass = 0.2, .p_ET = Vec3(0.01, 0, 0.03), .bias = Vec3(0.4, -0.3, 0.2)}, 0.001);
+  const RobotReading reading = arm.read({});
+  const Wrench F = sensing.step(reading.F_E_S, arm.truth().X_SE);
+  EXPECT_NEAR(F.force.norm(), 0, 1e-13);
+  EXPECT_NEAR(F.torque.norm(), 0, 1e-14);
 }
 
 TEST(ForceSensing, FilterStartsAtTheFirstReadingAndSettles) {
