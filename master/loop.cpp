@@ -20,7 +20,7 @@ void MasterLoop::run(Duration limit) noexcept {
   const TimePoint last = next_ + limit;
   while (!stop_requested() && next_ < last) turn();
 
-  // Without the dead-man the slave holds and the force fades by its slew limit.
+  // The slave holds, and the force fades by its slew limit.
   stopping_ = true;
   constexpr Duration kGoodbye = std::chrono::milliseconds(100);
   for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
@@ -35,7 +35,8 @@ void MasterLoop::turn() noexcept {
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
-  if (stopping_) reading.dead_man = false;
+  if (stopping_)
+    reading.ok = false;  // as a device that is gone: every force fades, whatever made it
   const TimePoint sampled = monotonic_now();
   const MasterToSlave& message = master_.sample(begin, reading, slave(begin));
   const TimePoint sent = monotonic_now();
@@ -71,7 +72,9 @@ void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
     timing.overrun_machine = shares.machine;
     next_ += ((end - next_) / config_.period) * config_.period;
   }
-  if (link_ != nullptr) record_.link = link_status(*link_, socket_->counters().send_would_block);
+  if (link_ != nullptr)
+    record_.link =
+        link_status(*link_, socket_->counters().send_would_block + socket_->counters().send_failed);
   recorder_.push(record_);
 }
 

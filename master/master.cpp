@@ -76,7 +76,9 @@ Wrench Master::wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) no
     tick_.p_MH_target = position_->target();
     return F;
   }
-  const bool felt = tick_.mode == Mode::engaged && slave.newest != nullptr && slave.newest->coupled;
+  // Holding because the link aged: the last wrench fades by its age instead of breaking off.
+  const bool in_touch = tick_.mode == Mode::engaged || tick_.mode == Mode::holding;
+  const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};

@@ -60,7 +60,8 @@ void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexce
     timing.overrun_own = shares.own;
     timing.overrun_machine = shares.machine;
   }
-  record_.link = link_status(link_, socket_.counters().send_would_block);
+  record_.link =
+      link_status(link_, socket_.counters().send_would_block + socket_.counters().send_failed);
   recorder_.push(record_);
 }
 

@@ -51,6 +51,7 @@ void Slave::move_target(const MasterToSlave* in) noexcept {
     started_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
     uncouple(workspace_, tick_.X_SE);
+    tick_.X_SE_target = tick_.X_SE;
   }
   tick_.coupled = tick_.mode == Mode::engaged && !in->clutch;
   tick_.inverse = Status::ok;
