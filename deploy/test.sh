@@ -8,3 +8,8 @@ deploy/install.sh --tests
 cmake --preset "$preset" -DFARHAND_TESTS=ON >/dev/null
 cmake --build --preset "$preset"
 ctest --preset "$preset" --no-tests=error -j "$(nproc)"
+
+# GoogleTest counts a skipped test as passed: say which, and why.
+log="build/$preset/Testing/Temporary/LastTest.log"
+grep -A1 ': Skipped$' "$log" || true
+echo "skipped tests: $(grep -c '^\[  SKIPPED \] .*(' "$log" || true)"
