@@ -4,13 +4,14 @@
 
 namespace farhand {
 
-HandlePose FalconHandle::pose(const Vec6& theta) noexcept {
+void FalconHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
   at = at.status == Status::ok ? forward(geometry, theta.head<3>(), at.p_MH)
                                : forward(geometry, theta.head<3>());
-  return {.status = at.status, .X_MH = {Mat3::Identity(), at.p_MH}};
+  pose.status = at.status;
+  if (at.status == Status::ok) pose.X_MH.p = at.p_MH;
 }
 
-MotorTorques FalconHandle::torque(const Wrench& F_G) const noexcept {
+MotorTorques FalconHandle::torque(const HandlePose&, const Wrench& F_G) const noexcept {
   const FalconJacobian J = jacobian(geometry, at);
   if (!accepted(geometry, J))
     return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
@@ -19,17 +20,17 @@ MotorTorques FalconHandle::torque(const Wrench& F_G) const noexcept {
   return out;
 }
 
-HandlePose TwinDeltaHandle::pose(const Vec6& theta) noexcept {
-  at = forward(geometry, theta);
-  if (at.status != Status::ok) return {.status = at.status};
-  R_MG = handle_axes(at.pose.axis, R_MG.col(0));
-  return {.status = Status::ok,
-          .X_MH = {handle_rotation(geometry, R_MG, at.pose.length), at.pose.p_MH},
-          .R_MG = R_MG};
+void TwinDeltaHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
+  solve_forward(geometry, theta, at);
+  pose.status = at.status;
+  if (at.status != Status::ok) return;
+  pose.R_MG = handle_axes(at.pose.axis, pose.R_MG.col(0));
+  pose.X_MH.R = handle_rotation(geometry, pose.R_MG, at.pose.length);
+  pose.X_MH.p = at.pose.p_MH;
 }
 
-MotorTorques TwinDeltaHandle::torque(const Wrench& F_G) const noexcept {
-  const TwinDeltaJacobian J = jacobian(geometry, at, R_MG);
+MotorTorques TwinDeltaHandle::torque(const HandlePose& pose, const Wrench& F_G) const noexcept {
+  const TwinDeltaJacobian J = jacobian(geometry, at, pose.R_MG);
   if (!accepted(geometry, J))
     return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
   return {.status = Status::ok, .tau = farhand::torque(J, F_G)};

@@ -28,30 +28,31 @@ struct FalconHandle {
   FalconGeometry geometry;
   FalconForward at;  // of the last sample: where the next search starts
 
-  HandlePose pose(const Vec6& theta) noexcept;
-  MotorTorques torque(const Wrench& F_G) const noexcept;
+  void update(const Vec6& theta, HandlePose& pose) noexcept;
+  MotorTorques torque(const HandlePose& pose, const Wrench& F_G) const noexcept;
 };
 
 struct TwinDeltaHandle {
   TwinDeltaGeometry geometry;
-  TwinDeltaForward at;
-  Mat3 R_MG =
-      Mat3::Identity();  // of the last sample: its x_h is kept where the handle lies along X
+  TwinDeltaForward at;  // of the last sample
 
-  HandlePose pose(const Vec6& theta) noexcept;
-  MotorTorques torque(const Wrench& F_G) const noexcept;
+  void update(const Vec6& theta, HandlePose& pose) noexcept;
+  MotorTorques torque(const HandlePose& pose, const Wrench& F_G) const noexcept;
 };
 
 using Handle = std::variant<FalconHandle, TwinDeltaHandle>;
 
-// Pose from motor angles [rad]; remembers what torque() and the next sample need.
-inline HandlePose pose(Handle& handle, const Vec6& theta) noexcept {
-  return std::visit([&](auto& h) { return h.pose(theta); }, handle);
+// Brings `pose`, that of the last sample, to the motor angles theta [rad], or says in its status
+// why it cannot and leaves the rest (x_h is kept where a twin delta's handle lies along X).
+// Remembers what torque() and the next sample need.
+inline void update(Handle& handle, const Vec6& theta, HandlePose& pose) noexcept {
+  std::visit([&](auto& h) { h.update(theta, pose); }, handle);
 }
-// Motor torques with which the handle, where pose() saw it last, pushes the hand with F_G (at H,
-// axes of G).
-inline MotorTorques torque(const Handle& handle, const Wrench& F_G) noexcept {
-  return std::visit([&](const auto& h) { return h.torque(F_G); }, handle);
+// Motor torques with which the handle pushes the hand with F_G (at H, axes of G), at the pose that
+// update() made.
+inline MotorTorques torque(const Handle& handle, const HandlePose& pose,
+                           const Wrench& F_G) noexcept {
+  return std::visit([&](const auto& h) { return h.torque(pose, F_G); }, handle);
 }
 
 // Handle velocity from pose differences through one pole. Ts [s]; the first sample is at rest.

@@ -15,11 +15,7 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   tick_.now = now;
   tick_.reading = reading;
   tick_.limits = kLimitNone;
-  if (reading.ok) {
-    const HandlePose pose = farhand::pose(handle_, reading.theta);
-    tick_.handle.status = pose.status;
-    if (pose.status == Status::ok) tick_.handle = pose;
-  }
+  if (reading.ok) update(handle_, reading.theta, tick_.handle);
   decide_mode(slave);
   count_presses();
   MasterToSlave& out = tick_.out;
@@ -57,7 +53,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   Vec6 tau = Vec6::Zero();
   tick_.F_G = wanted_wrench(now, slave);
   if (tick_.reading.ok && tick_.handle.status == Status::ok) {
-    const MotorTorques motors = torque(handle_, tick_.F_G);
+    const MotorTorques motors = torque(handle_, tick_.handle, tick_.F_G);
     if (motors.status != Status::ok) tick_.limits |= kLimitAcceptance;
     tau = motors.tau;
   }

@@ -155,9 +155,9 @@ TwinDeltaMotorAngles motor_angles(const TwinDeltaGeometry& g, const TwinDeltaPos
   return out;
 }
 
-TwinDeltaForward forward(const TwinDeltaGeometry& g, const Vec6& theta1) noexcept {
-  TwinDeltaForward out;
-  if (!theta1.allFinite()) return out;
+void solve_forward(const TwinDeltaGeometry& g, const Vec6& theta1, TwinDeltaForward& out) noexcept {
+  out.status = Status::not_finite;
+  if (!theta1.allFinite()) return;
   for (int k = 0; k < 2 * kHalf; ++k) {
     const double angle = theta1[k];
     out.cos1[k] = std::cos(angle);
@@ -166,16 +166,20 @@ TwinDeltaForward forward(const TwinDeltaGeometry& g, const Vec6& theta1) noexcep
   const SphereMeeting upper = meet_forearms(g, out.cos1.data(), out.sin1.data());
   const SphereMeeting lower = meet_forearms(g, out.cos1.data() + kHalf, out.sin1.data() + kHalf);
   out.status = upper.status != Status::ok ? upper.status : lower.status;
-  if (out.status != Status::ok) return out;
+  if (out.status != Status::ok) return;
   out.p_ME1 = from_half(g, 0, upper.foot + upper.lift);
   out.p_ME2 = from_half(g, 1, lower.foot + lower.lift);
   const Vec3 span = out.p_ME1 - out.p_ME2;
   const double length = span.norm();
-  if (!(length > 0)) {
+  if (length > 0)
+    out.pose = {.p_MH = (out.p_ME1 + out.p_ME2) / 2, .axis = span / length, .length = length};
+  else
     out.status = Status::singular;
-    return out;
-  }
-  out.pose = {.p_MH = (out.p_ME1 + out.p_ME2) / 2, .axis = span / length, .length = length};
+}
+
+TwinDeltaForward forward(const TwinDeltaGeometry& g, const Vec6& theta1) noexcept {
+  TwinDeltaForward out;
+  solve_forward(g, theta1, out);
   return out;
 }
 

@@ -77,6 +77,8 @@ struct TwinDeltaForward {
   Vec6 cos1 = Vec6::Zero(), sin1 = Vec6::Zero();  // of theta1, for jacobian()
 };
 TwinDeltaForward forward(const TwinDeltaGeometry& g, const Vec6& theta1) noexcept;
+// The same in place, for every tick; unless status is ok the rest means nothing.
+void solve_forward(const TwinDeltaGeometry& g, const Vec6& theta1, TwinDeltaForward& out) noexcept;
 
 // theta2 and theta3 at a solved pose; zero if it is not. Only for display: no Jacobian needs them.
 struct TwinDeltaPassiveAngles {

@@ -24,8 +24,10 @@ TEST(Handle, GivesNoForceOutsideTheAcceptedWorkspace) {
   const Vec3 edge(0.0, 0.0, 0.0622);  // reachable, and as good as stretched
   Vec6 theta = Vec6::Zero();
   theta.head<3>() = motor_angles(kFalconTable1, edge).theta1;
-  ASSERT_EQ(pose(handle, theta).status, Status::ok);
-  const MotorTorques motors = torque(handle, {Vec3(1, 0, 0), Vec3::Zero()});
+  HandlePose at;
+  update(handle, theta, at);
+  ASSERT_EQ(at.status, Status::ok);
+  const MotorTorques motors = torque(handle, at, {Vec3(1, 0, 0), Vec3::Zero()});
   EXPECT_EQ(motors.status, Status::out_of_limits);
   EXPECT_EQ(motors.tau, Vec6::Zero());
 }
@@ -34,10 +36,20 @@ TEST(Handle, TheTwinDeltasTwistIsPartOfItsPose) {
   Handle handle = TwinDeltaHandle{};
   for (double gamma : {-3.0, -1.0, 0.0, 2.0}) {
     const Vec6 theta = motor_angles(kTwinDelta, {.length = twist_length(kTwinDelta, gamma)}).theta1;
-    const HandlePose at = pose(handle, theta);
+    HandlePose at;
+    update(handle, theta, at);
     ASSERT_EQ(at.status, Status::ok);
     EXPECT_NEAR(rotation_vector(at.X_MH.R).z(), gamma, 1e-11);
     EXPECT_NEAR((at.R_MG - Mat3::Identity()).norm(), 0, 1e-12);
+  }
+}
+
+TEST(Handle, KeepsThePoseAndSaysWhyWhenTheAnglesHaveNone) {
+  for (Handle handle : {Handle(FalconHandle{}), Handle(TwinDeltaHandle{})}) {
+    HandlePose at{.X_MH = {Mat3::Identity(), Vec3(1, 2, 3)}};
+    update(handle, Vec6::Constant(NAN), at);
+    EXPECT_EQ(at.status, Status::not_finite);
+    EXPECT_EQ(at.X_MH.p, Vec3(1, 2, 3));
   }
 }
 
