@@ -1,0 +1,141 @@
+#include "tests/loop/straight_ticks.hpp"
+
+#include <algorithm>
+
+namespace farhand {
+
+template <bool kRecorded>
+StraightMaster<kRecorded>::StraightMaster(const MasterConfig& config)
+    : geometry(std::get<TwinDeltaHandle>(config.handle).geometry),
+      stale(config.stale),
+      velocity(config.velocity_cutoff_hz, config.Ts) {}
+
+template <bool kRecorded>
+const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleReading& reading,
+                                                  const Peer<SlaveToMaster>& slave) noexcept {
+  MasterToSlave& out = record.out;
+  HandlePose& handle = record.handle;
+  if (!reading.ok) return record;
+  const TwinDeltaForward at = forward(geometry, reading.theta);
+  if (at.status != Status::ok) return record;
+  handle.R_MG = handle_axes(at.pose.axis, handle.R_MG.col(0));
+  handle.X_MH.R = handle_rotation(geometry, handle.R_MG, at.pose.length);
+  handle.X_MH.p = at.pose.p_MH;
+
+  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::idle;
+  out.mode = next_mode(out.mode, {.equipment_ok = true,
+                                  .connected = slave.connected && slave.newest != nullptr,
+                                  .fresh = slave.age <= stale,
+                                  .partner_able = other == Mode::ready || other == Mode::engaged,
+                                  .dead_man = reading.dead_man});
+  if (reading.dead_man && !out.dead_man) ++out.dead_man_presses;
+  if (reading.clutch && !out.clutch) ++out.clutch_presses;
+  out.dead_man = reading.dead_man;
+  out.clutch = reading.clutch;
+  out.p_MH = handle.X_MH.p;
+  out.q_MH = to_quat(handle.X_MH.R);
+  out.V_MH = velocity.step(handle.X_MH);
+  if constexpr (kRecorded) {
+    record.now = now;
+    record.reading = reading;
+    handle.status = at.status;
+    record.mode = out.mode;
+    if (slave.newest != nullptr) record.in = *slave.newest;
+    record.age = slave.age;
+    record.limits = kLimitNone;
+  }
+  return record;
+}
+
+template <bool kRecorded>
+StraightSlave<kRecorded>::StraightSlave(const SlaveConfig& config)
+    : arm(config.arm),
+      joints(config.joints),
+      workspace(config.workspace),
+      stale(config.stale),
+      q_step(config.joints.speed * config.Ts) {
+  for (int i = 0; i < 6; ++i) {
+    tau_max[i] = config.model.links[i].torque_limit;
+    pid[i] = make_pid(joint_gains(config.servo, config.servo.inertia[i], tau_max[i]), config.Ts);
+  }
+  tau_step = tau_max * (config.Ts / config.torque_rise_time_s);
+}
+
+template <bool kRecorded>
+const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<MasterToSlave>& master,
+                                                const RobotReading& robot) noexcept {
+  SlaveToMaster& out = record.out;
+  Vec6& q_cmd = record.q_cmd;
+  if (!robot.ok) return record;
+  LimitSet limits = kLimitNone;
+  const MasterToSlave* in = master.newest;
+  out.mode =
+      next_mode(out.mode, {.equipment_ok = true,
+                           .connected = master.connected && in != nullptr,
+                           .fresh = master.age <= stale,
+                           .partner_able = true,
+                           .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
+  if (master.age > stale) limits |= kLimitStale;
+
+  const ArmKinematics at = kinematics(arm, robot.q);
+  out.V_SE = tool_twist(at.J, robot.dq);
+  if (!started) {
+    started = true;
+    q_cmd = q_target = robot.q;
+    uncouple(target, at.X_SE);
+  }
+  out.coupled = out.mode == Mode::engaged && !in->clutch;
+  Status found = Status::ok;
+  if (out.coupled) {
+    const Pose X_MH{in->q_MH.toRotationMatrix(), in->p_MH};
+    if (!target.coupled) couple(target, X_MH, forward(arm, q_cmd));
+    const ArmNearest nearest =
+        inverse(arm, joints, follow(workspace, target, X_MH, limits), q_target);
+    found = nearest.status;
+    if (found == Status::ok)
+      q_target = nearest.q;
+    else
+      limits |= kLimitWorkspace;
+  } else if (target.coupled) {
+    q_target = q_cmd;
+    uncouple(target, forward(arm, q_cmd));
+  }
+
+  const Vec6 move = q_target - q_cmd;
+  const Vec6 allowed = move.cwiseMax(-q_step).cwiseMin(q_step);
+  if (allowed != move) limits |= kLimitSpeed;
+  q_cmd = allowed == move ? q_target : Vec6(q_cmd + allowed);
+  Vec6 wanted;
+  for (int i = 0; i < 6; ++i) wanted[i] = step(pid[i], state[i], q_cmd[i], robot.q[i]);
+  if (std::any_of(state.begin(), state.end(), [](const PidState& s) { return s.saturated; }))
+    limits |= kLimitSaturated;
+  record.tau = limit_joint_torques(tau_max, tau_step, wanted, record.tau, limits);
+
+  out.p_SE = at.X_SE.p;
+  out.q_SE = to_quat(at.X_SE.R);
+  out.limits = limits;
+  if (in != nullptr) {
+    out.dead_man_presses_seen = in->dead_man_presses;
+    out.clutch_presses_seen = in->clutch_presses;
+  }
+  if constexpr (kRecorded) {
+    record.now = now;
+    record.age = master.age;
+    record.robot = robot;
+    record.mode = out.mode;
+    record.coupled = out.coupled;
+    record.X_SE = at.X_SE;
+    record.X_SE_target = target.X_SE_target;
+    record.inverse = found;
+    record.singularity = at.singularity;
+    record.limits = limits;
+  }
+  return record;
+}
+
+template struct StraightMaster<false>;
+template struct StraightMaster<true>;
+template struct StraightSlave<false>;
+template struct StraightSlave<true>;
+
+}  // namespace farhand
