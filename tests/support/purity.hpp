@@ -142,6 +142,7 @@ Function* next_definition(const char* name) noexcept {
 
 }  // namespace farhand
 
+// NOLINTBEGIN(readability-identifier-naming, bugprone-macro-parentheses): the C library's own names
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);
@@ -193,5 +194,6 @@ int clock_gettime(clockid_t clock, timespec* time) noexcept {
   return next(clock, time);
 }
 }
+// NOLINTEND(readability-identifier-naming, bugprone-macro-parentheses)
 
 #endif
