@@ -1,4 +1,5 @@
-// The peer's clock from four stamps per exchange (reference section 1.10). With
+// The peer's clock from four stamps per exchange (RFC 5905 section 8, minima taken separately).
+// With
 //
 //   t1 ours, sent -> t2 theirs, received -> t3 theirs, sent -> t4 ours, received
 //

@@ -20,7 +20,7 @@ enum class Mode : std::uint8_t { idle, ready, engaged, holding };
 struct ModeInputs {
   bool equipment_ok = false;  // device or robot reads, and its kinematics answer
   bool connected = false;     // the partner was heard within link.lost_ms
-  bool fresh = false;         // its newest message is younger than link.stale_ms
+  bool fresh = false;         // its newest message came less than link.stale_ms ago
   bool partner_able = false;  // master: the slave is ready or engaged. Slave: always true
   bool dead_man = false;      // slave: the master says pressed and is itself engaged
 };

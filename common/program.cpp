@@ -20,15 +20,25 @@ void add_options(CLI::App& app, ProgramOptions& options, bool is_master) {
   app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   app.add_flag("--check", options.check, "check the scene and exit");
   app.add_flag("--quiet", options.quiet, "no live status line");
-  app.add_option("--duration", options.duration_s, "stop after so many seconds")
-      ->check(CLI::Range(0.001, 1e7));
+  add_duration_option(app, options.duration_s, "stop after so many seconds");
   app.add_option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
   app.add_option("--slave", options.slave, "host:port of the slave, instead of the scene's");
   app.add_option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
 }
 
+// Empty if good, as the argument parser wants it.
+std::string check_duration(const std::string& text) {
+  double seconds = 0;
+  if (CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 1e7) return "";
+  return "'" + text + "' is not a number of seconds from 0.001 to 1e7";
+}
+
 }  // namespace
+
+void add_duration_option(CLI::App& app, double& seconds, const std::string& help) {
+  app.add_option("--duration", seconds, help)->type_name("SECONDS")->check(check_duration);
+}
 
 int run_guarded(const std::string& name, const std::function<int()>& body) {
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
@@ -75,6 +85,12 @@ void require_slave(const Scene& scene) {
   if (!scene.proto.has_slave())
     throw std::runtime_error(scene.path +
                              " has no slave: run it with farhand-master or farhand-loopback alone");
+}
+
+void refuse_addresses(const ProgramOptions& options, const Scene& scene) {
+  if (options.slave || options.listen)
+    throw std::runtime_error(scene.path + " has no slave to talk to: leave out " +
+                             (options.slave ? "--slave" : "--listen"));
 }
 
 UdpAddress plain_address(const std::optional<std::string>& flag, const std::string& scenes,

@@ -162,10 +162,6 @@ void link_rules(Rules& r) {
       "motion must hold before the peer counts as gone: lower it, or raise lost_ms");
   using I = proto::Impairment;
   rule<I>(
-      r, "delay_ms", [](const Scene& s, const I& i) { return i.delay_ms() >= s.link().stale_ms(); },
-      "is not less than link.stale_ms, so every message would be too old on arrival",
-      "raise link.stale_ms, or lower it");
-  rule<I>(
       r, "jitter_ms",
       [](const I& i) { return i.jitter() != I::GAMMA && i.jitter_ms() > i.delay_ms(); },
       "around the delay exceeds it, and nothing arrives before it was sent",

@@ -78,7 +78,7 @@ struct SlaveToMaster {
   Wrench F_E_M;                  // robot on environment at E, mapped into M axes and scaled
   Mode mode = Mode::idle;
   bool coupled = false;      // the robot follows the handle right now
-  std::uint32_t limits = 0;  // bit set: what holds the robot back (the slave names the bits)
+  std::uint32_t limits = 0;  // bit set: what holds the robot back (common/limits.hpp)
   std::uint32_t dead_man_presses_seen = 0;  // counts acted upon: the receipt for the master's edges
   std::uint32_t clutch_presses_seen = 0;
   std::uint32_t stops = 0;  // times the slave stopped by itself since the session began

@@ -113,7 +113,7 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
                               m.force_feedback().max_force_newton()));
   }
   if (m.has_position_control())
-    out.push_back(fmt::format("position_control  PID on {} set points, at most {:g} N",
+    out.push_back(fmt::format("position_control  PID, set points: {}, at most {:g} N",
                               m.position_control().set_point_size(),
                               m.position_control().max_force_newton()));
   if (m.has_force_feedback() || m.has_position_control())

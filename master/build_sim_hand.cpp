@@ -55,8 +55,14 @@ MotionConfig motion(const Scene& scene, const proto::Motion& m,
     c.trace = trace_config(m.trace(), *trace);
     return c;
   }
-  if (m.has_trace() && !m.trace().file().empty())
+  if (m.has_trace()) {
+    if (m.trace().file().empty())
+      throw std::runtime_error(
+          scene.path +
+          " moves the hand by a trace and names no file: give --trace FILE, or "
+          "say file: in its trace");
     c.trace = trace_config(m.trace(), beside(scene, m.trace().file()));
+  }
   for (const auto& s : m.sine())
     c.sines.push_back({.from = s.from_s(),
                        .until = s.until_s(),

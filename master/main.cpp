@@ -16,13 +16,17 @@ int main(int argc, char** argv) {
 
         Master master(master_config(scene.proto));
         AnyDevice device = make_device(scene, options.trace, scene.proto.seed());
+        const MasterLoopConfig loop = master_loop_config(scene.proto);
         std::optional<MasterLink> link;
         std::optional<UdpSocket> socket;
-        if (scene.proto.has_slave()) {
+        if (!scene.proto.has_slave()) {
+          refuse_addresses(options, scene);
+        } else {
           const auto capabilities = master.config().force_feedback ? kForceWanted : 0u;
           link.emplace(LinkConfig{.session = random_session(),
                                   .scene_hash = scene.shared_hash,
-                                  .capabilities = capabilities});
+                                  .capabilities = capabilities,
+                                  .silence = loop.lost});
           socket.emplace(plain_address(options.listen, scene.proto.link().master_address(), scene),
                          plain_address(options.slave, scene.proto.link().slave_address(), scene));
         }
@@ -32,8 +36,8 @@ int main(int argc, char** argv) {
         announce(scene,
                  socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
         warn_each(enter_realtime(kLoopPriority));
-        MasterLoop(master_loop_config(scene.proto), master, device, link ? &*link : nullptr,
-                   socket ? &*socket : nullptr, recorder)
+        MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
+                   recorder)
             .run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);

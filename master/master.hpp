@@ -26,7 +26,7 @@ struct ForceFeedbackConfig {
 
 struct MasterConfig {
   double Ts = 0.001;                               // period of the tick [s]
-  Duration stale = std::chrono::milliseconds(20);  // an older answer ends the engagement
+  Duration stale = std::chrono::milliseconds(20);  // no answer for so long ends the engagement
   Handle handle;
   double velocity_cutoff_hz = 60;
   double max_motor_torque = 3;  // [N m]

@@ -26,10 +26,10 @@ struct Columns {
 // Where the reader stands, for its complaints.
 struct Place {
   const std::string& file;
-  std::size_t line = 0;
+  std::size_t line = 0;  // 0: the file as a whole
 
   [[noreturn]] void refuse(const std::string& why) const {
-    throw std::runtime_error(file + ":" + std::to_string(line) + ": " + why);
+    throw std::runtime_error(file + (line > 0 ? ":" + std::to_string(line) : "") + ": " + why);
   }
 };
 

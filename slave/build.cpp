@@ -113,7 +113,7 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
                             scene.rate_hz()));
   out.push_back(
       fmt::format("workspace       handle pose to tool target, scale {:g}", s.workspace().scale()));
-  out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, {} surfaces)",
+  out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, surfaces: {})",
                             s.sim_arm().rate_hz(), s.sim_arm().surface_size()));
   out.push_back("arm             forward and nearest inverse kinematics");
   out.push_back(fmt::format("joint_pid       {:g} Hz, damping {:g}{}{}{}", pid.bandwidth_hz(),

@@ -16,15 +16,16 @@ int main(int argc, char** argv) {
 
         Slave slave(slave_config(scene.proto));
         AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
-        SlaveLink link({.session = random_session(), .scene_hash = scene.shared_hash});
+        const SlaveLoopConfig loop = slave_loop_config(scene.proto);
+        SlaveLink link(
+            {.session = random_session(), .scene_hash = scene.shared_hash, .silence = loop.lost});
         UdpSocket socket(plain_address(options.listen, scene.proto.link().slave_address(), scene));
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
 
         announce(scene, "listening on " + to_string(socket.local()));
         warn_each(enter_realtime(kLoopPriority));
-        SlaveLoop(slave_loop_config(scene.proto), slave, robot, link, socket, recorder)
-            .run(options.limit());
+        SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
         return 0;

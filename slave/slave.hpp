@@ -19,7 +19,7 @@ namespace farhand {
 
 struct SlaveConfig {
   double Ts = 0.001;                               // period of the tick [s]
-  Duration stale = std::chrono::milliseconds(20);  // an older message holds all motion
+  Duration stale = std::chrono::milliseconds(20);  // no message for so long holds all motion
   ArmGeometry arm;
   JointLimits joints;
   WorkspaceConfig workspace;

@@ -262,7 +262,6 @@ inline std::vector<BrokenScene> broken_scenes() {
        "link.cut_off_us", "400 us is not less"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},
-      {with_link("to_slave { delay_ms: @20 }"), "link.to_slave.delay_ms", "raise link.stale_ms"},
       {with_link("to_master { delay_ms: 1 jitter: UNIFORM jitter_ms: @2 }"),
        "link.to_master.jitter_ms", "use jitter: GAMMA"},
       {with_link("to_master { burst_enter_ratio: 0.1 burst_leave_ratio: @0 }"),

@@ -38,7 +38,7 @@ Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
       master_(master_config(scene.proto)),
       device_(make_device(scene, options.trace,
                           stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
-      link_({.session = 1, .scene_hash = scene.shared_hash}),
+      link_({.session = 1, .scene_hash = scene.shared_hash, .silence = loop_.lost}),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
   if (scene.proto.has_slave()) slave_.emplace(scene, options.seed.value_or(scene.proto.seed()));
 }
@@ -47,7 +47,7 @@ Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
     : loop(slave_loop_config(scene.proto)),
       slave(slave_config(scene.proto)),
       robot(make_robot(scene.proto, stream(seed, kRobotStream))),
-      link({.session = 2, .scene_hash = scene.shared_hash}),
+      link({.session = 2, .scene_hash = scene.shared_hash, .silence = loop.lost}),
       to_slave(impairment(scene.proto.link().has_to_slave(), scene.proto.link().to_slave()),
                stream(seed, kToSlaveStream)),
       to_master(impairment(scene.proto.link().has_to_master(), scene.proto.link().to_master()),

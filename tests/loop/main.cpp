@@ -16,8 +16,7 @@ int main(int argc, char** argv) {
   app.add_option("scene", options.scene, "scene file, see deploy/scenes")->required();
   app.add_option("--trace", loop.trace, "recorded motion (CSV) for the simulated hand");
   app.add_option("--seed", loop.seed, "instead of the scene's seed");
-  app.add_option("--duration", loop.duration_s, "simulated seconds, instead of the scene's")
-      ->check(CLI::Range(0.001, 86400.0));
+  add_duration_option(app, options.duration_s, "simulated seconds, instead of the scene's");
   app.add_flag("--json", json, "print the result as JSON");
   app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   app.add_flag("--check", options.check, "check the scene and exit");
@@ -26,6 +25,7 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
+  if (options.duration_s > 0) loop.duration_s = options.duration_s;
   return run_guarded("farhand-loopback", [&] {
     const Scene scene = load_scene(options.scene);
     Stages stages{{"master", master_stages(scene.proto)}};
