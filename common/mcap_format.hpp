@@ -1,7 +1,8 @@
 // The bytes of an MCAP file (the format's specification is at https://mcap.dev/spec): numbers are
 // little endian, a text has its length in 32 bits before it, and a file is
 //
-//   magic, records, magic        a record: opcode (1 byte), length of its content (8 bytes), content
+//   magic, records, magic        a record: opcode (1 byte), length of its content (8 bytes),
+//   content
 //
 // Header, metadata, attachment, schemas and channels come first, then chunks of messages with their
 // indexes, DataEnd with a CRC of all before it, the summary, and the Footer with a CRC of the

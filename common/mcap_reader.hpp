@@ -1,7 +1,7 @@
-// Reads an MCAP file from its begin to its end, whole or cut off anywhere, ours or another writer's.
-// No bytes make it crash or use more memory than the limits below; what is damaged is told, never
-// passed on: a chunk whose CRC is wrong is left out, and once next() has returned false every
-// changed bit of a file of ours has shown up in damage() or made complete() false.
+// Reads an MCAP file from its begin to its end, whole or cut off anywhere, ours or another
+// writer's. No bytes make it crash or use more memory than the limits below; what is damaged is
+// told, never passed on: a chunk whose CRC is wrong is left out, and once next() has returned false
+// every changed bit of a file of ours has shown up in damage() or made complete() false.
 #pragma once
 
 #include <cstddef>
@@ -66,20 +66,21 @@ class McapReader {
   bool take_record(Message& message);
   bool take_from_chunk(Message& message);
   Found take_content(mcap::Op op, std::string_view content, Message& message);
-  Found take_message(std::string_view content, Message& message);
+  Found take_message(mcap::Fields& fields, Message& message);
   void open_chunk();
-  std::string_view unpack(mcap::Fields& chunk, std::uint64_t size);
+  std::string_view unpack(std::string_view compression, std::string_view bytes, std::uint64_t size);
   bool take_attachment();
   bool take_metadata();
   void read_summary();
-  void check_summary(std::string_view tail, std::uint64_t start);
-  void stop(const std::string& why);
+  bool summary_good(std::string_view tail, std::uint64_t start) const;
+  void damaged_chunk();
   void damaged(const std::string& what);
 
   std::ifstream file_;
   std::uint64_t file_bytes_ = 0, at_ = 0;
-  std::uint64_t record_at_ = 0;  // where the record below begins
-  std::uint32_t crc_ = 0;        // of everything before at_
+  std::uint64_t record_at_ = 0;   // where the record below begins
+  std::uint32_t crc_before_ = 0;  // of everything before that
+  std::uint32_t crc_ = 0;         // of everything before at_
   mcap::Op op_{};
   std::string record_, unpacked_;
   bool pending_ = false;  // the record is read, but not yet taken
