@@ -3,11 +3,12 @@
 
 #include "common/loop_report.hpp"
 #include "common/realtime.hpp"
+#include "common/recording_file.hpp"
 
 namespace farhand {
 
 inline float microseconds(Duration d) noexcept {
-  return static_cast<float>(static_cast<double>(d.count()) * 1e-3);
+  return plotted<12>(static_cast<double>(d.count()) * 1e-3);
 }
 
 template <typename Record>

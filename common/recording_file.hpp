@@ -7,6 +7,8 @@
 #include <google/protobuf/message.h>
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <map>
 #include <span>
 #include <string>
@@ -76,11 +78,27 @@ class ViewerRate {
   TimePoint next_{};
 };
 
-// Appends the numbers of a vector or quaternion (w x y z) to a repeated field.
-template <typename Field>
-void append(Field* to, std::span<const double> from) {
+// A number to look at: of a float's 24 bits the first `kBits`, to nearest. The rest is noise that
+// would only fill the disk.
+template <int kBits = 17>
+float plotted(double x) noexcept {
+  constexpr std::uint32_t kLast = 1u << (24 - kBits);
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(x));
+  return std::isfinite(x) ? std::bit_cast<float>((bits + kLast / 2) & ~(kLast - 1))
+                          : static_cast<float>(x);
+}
+
+// Appends the numbers of a vector or quaternion (w x y z) to a repeated field: as they are to a
+// double's, as they are plotted to a float's.
+template <typename Number>
+void append(google::protobuf::RepeatedField<Number>* to, std::span<const double> from) {
   to->Reserve(to->size() + static_cast<int>(from.size()));
-  for (const double x : from) to->AddAlreadyReserved(static_cast<typename Field::value_type>(x));
+  for (const double x : from) {
+    if constexpr (std::is_same_v<Number, float>)
+      to->AddAlreadyReserved(plotted(x));
+    else
+      to->AddAlreadyReserved(x);
+  }
 }
 template <typename Field, int kRows>
 void append(Field* to, const Eigen::Matrix<double, kRows, 1>& from) {

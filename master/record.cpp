@@ -33,7 +33,7 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
   append(to.mutable_handle_quaternion_m(), from.out.q_MH);
   append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
   append(to.mutable_handle_angular_velocity_m_rad_per_s(), from.out.V_MH.angular);
-  if (from.age < Duration::max()) to.set_age_s(static_cast<float>(seconds(from.age)));
+  if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
   append(to.mutable_environment_force_g_n(), from.F_env_G.force);
   append(to.mutable_environment_torque_g_nm(), from.F_env_G.torque);
   append(to.mutable_force_g_n(), from.F_G.force);

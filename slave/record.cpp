@@ -17,7 +17,7 @@ void fill_reading(record::SlaveRecord& to, const RobotReading& from) {
 void fill_tick(record::SlaveRecord& to, const SlaveTick& from) {
   to.set_mode(static_cast<record::Mode>(from.mode));
   to.set_coupled(from.coupled);
-  if (from.age < Duration::max()) to.set_age_s(static_cast<float>(seconds(from.age)));
+  if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
   append(to.mutable_robot_position_s_m(), from.X_SE.p);
   append(to.mutable_robot_quaternion_s(), from.out.q_SE);
   append(to.mutable_robot_velocity_s_m_per_s(), from.out.V_SE.linear);
@@ -28,9 +28,9 @@ void fill_tick(record::SlaveRecord& to, const SlaveTick& from) {
   append(to.mutable_tau_nm(), from.tau);
   append(to.mutable_contact_force_s_n(), from.F_E_S.force);
   append(to.mutable_contact_torque_s_nm(), from.F_E_S.torque);
-  to.set_wrist_singularity(static_cast<float>(from.singularity.wrist));
-  to.set_elbow_singularity(static_cast<float>(from.singularity.elbow));
-  to.set_shoulder_singularity(static_cast<float>(from.singularity.shoulder));
+  to.set_wrist_singularity(plotted(from.singularity.wrist));
+  to.set_elbow_singularity(plotted(from.singularity.elbow));
+  to.set_shoulder_singularity(plotted(from.singularity.shoulder));
   to.set_inverse_status(static_cast<std::uint32_t>(from.inverse));
   to.set_limits(from.limits);
 }
