@@ -53,7 +53,6 @@ const streamed = {};
 const stream = new McapStreamReader({ decompressHandlers, validateCrcs: true });
 stream.append(bytes);
 for (let r; (r = stream.nextRecord()); ) {
-  
   if (r.type === "Message") streamed[topics.get(r.channelId)] = (streamed[topics.get(r.channelId)] ?? 0) + 1;
 }
 assert.ok(stream.done());
