@@ -204,22 +204,25 @@ std::string McapWriter::statistics() const {
 // DataEnd, summary with where its groups are, Footer, magic.
 std::string McapWriter::end() const {
   const std::string counts = statistics();
-  const std::pair<Op, const std::string&> groups[] = {{Op::schema, schema_records_},
-                                                      {Op::channel, channel_records_},
-                                                      {Op::statistics, counts},
-                                                      {Op::chunk_index, chunk_index_},
-                                                      {Op::attachment_index, attachment_index_},
-                                                      {Op::metadata_index, metadata_index_}};
+  const struct {
+    Op op;
+    std::string_view records;
+  } groups[] = {{Op::schema, schema_records_},
+                {Op::channel, channel_records_},
+                {Op::statistics, counts},
+                {Op::chunk_index, chunk_index_},
+                {Op::attachment_index, attachment_index_},
+                {Op::metadata_index, metadata_index_}};
   std::string out, offsets;
   put_record(out, Op::data_end, [&] { put(out, crc_); });
   const std::size_t summary = out.size();
-  for (const auto& [op, records] : groups) {
-    if (records.empty()) continue;
+  for (const auto& group : groups) {
+    if (group.records.empty()) continue;
     put_record(offsets, Op::summary_offset, [&] {
-      put(offsets, static_cast<std::uint8_t>(op));
-      put(offsets, file_bytes_ + out.size()), put(offsets, std::uint64_t{records.size()});
+      put(offsets, static_cast<std::uint8_t>(group.op));
+      put(offsets, file_bytes_ + out.size()), put(offsets, std::uint64_t{group.records.size()});
     });
-    out += records;
+    out += group.records;
   }
   const std::uint64_t offsets_at = file_bytes_ + out.size();
   out += offsets;
