@@ -15,6 +15,7 @@ namespace farhand {
 struct LinkStatus {
   Duration round_trip{};
   bool round_trip_known = false;
+  Duration clock_offset{};  // partner's monotonic clock minus ours; 0 while unknown
   std::uint64_t received = 0;
   std::uint64_t dropped = 0;
   std::uint64_t lost = 0;
@@ -28,6 +29,7 @@ LinkStatus link_status(const L& link, std::uint64_t not_sent) noexcept {
   const LinkQuality& q = link.quality();
   return {.round_trip = q.round_trip,
           .round_trip_known = q.round_trip_known,
+          .clock_offset = link.clock().offset,
           .received = link.counters().received,
           .dropped = link.counters().dropped(),
           .lost = q.lost,

@@ -21,6 +21,7 @@ void add_options(CLI::App& app, ProgramOptions& options, bool is_master) {
   app.add_flag("--check", options.check, "check the scene and exit");
   app.add_flag("--quiet", options.quiet, "no live status line");
   add_duration_option(app, options.duration_s, "stop after so many seconds");
+  app.add_option("--record", options.record, "record every tick into this MCAP file");
   app.add_option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
   app.add_option("--slave", options.slave, "host:port of the slave, instead of the scene's");

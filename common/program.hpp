@@ -28,6 +28,7 @@ struct ProgramOptions {
   bool quiet = false;                 // no live status line
   double duration_s = 0;              // 0: until stopped
   std::optional<std::string> listen;  // host:port instead of the scene's
+  std::optional<std::string> record;  // MCAP file to write
   std::optional<std::string> slave;   // master only
   std::optional<std::string> trace;   // motion of the simulated hand; master only
 

@@ -63,6 +63,10 @@ void catch_stop_signals() noexcept {
   action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  // A recording that grows too large, or whose reader is gone, is an error of write().
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &action, nullptr);
+  sigaction(SIGPIPE, &action, nullptr);
 }
 
 bool stop_requested() noexcept {

@@ -18,7 +18,8 @@ void sleep_until(TimePoint until) noexcept;
 // sentences with the remedy: the program goes on without, at the price of jitter.
 std::vector<std::string> enter_realtime(int priority);
 
-// SIGINT and SIGTERM ask for an orderly end instead of killing the process.
+// SIGINT and SIGTERM ask for an orderly end instead of killing the process; a file that may not
+// grow, or a pipe without a reader, does not end it either.
 void catch_stop_signals() noexcept;
 bool stop_requested() noexcept;
 

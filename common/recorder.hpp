@@ -1,6 +1,6 @@
-// Takes each tick's whole record out of the loop: push() is wait-free, a thread of its own feeds
-// the sink. What the sink keeps (a summary, a file) is its own business and may allocate and block;
-// a full queue costs records, counted, never a tick.
+// Takes each tick's whole record out of the loop, which writes it in place: slot() and commit() are
+// wait-free, a thread of its own feeds the sink. What the sink keeps (a summary, a file) is its own
+// business and may allocate and block; a full queue costs records, counted, never a tick.
 #pragma once
 
 #include <atomic>
@@ -26,9 +26,17 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // From the loop only.
-  void push(const Record& record) noexcept {
-    if (!queue_.push(record)) lost_.fetch_add(1, std::memory_order_relaxed);
+  // From the loop only: where to write the next record, over an old one, and that it is written.
+  // When the queue is full it goes nowhere and is counted.
+  Record& slot() noexcept {
+    slot_ = queue_.slot();
+    return slot_ != nullptr ? *slot_ : spare_;
+  }
+  void commit() noexcept {
+    if (slot_ != nullptr)
+      queue_.commit();
+    else
+      lost_.fetch_add(1, std::memory_order_relaxed);
   }
 
   // Delivers what is queued and ends the thread; the sink may be read afterwards.
@@ -53,6 +61,8 @@ class Recorder {
   }
 
   SpscQueue<Record> queue_{kCapacity};
+  Record* slot_ = nullptr;
+  Record spare_{};
   Sink sink_;
   std::atomic<bool> stop_{false};
   std::atomic<std::uint64_t> lost_{0};

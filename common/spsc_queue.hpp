@@ -15,15 +15,26 @@ class SpscQueue {
   // Holds at least `capacity` elements, rounded up to a power of two.
   explicit SpscQueue(std::size_t capacity) : slots_(std::bit_ceil(capacity < 2 ? 2 : capacity)) {}
 
-  // Producer. False, and nothing stored, when full.
-  bool push(const T& value) noexcept {
+  // Producer. Where the next element is to be written, over an old one; nullptr when full.
+  T* slot() noexcept {
     const std::size_t head = head_.load(std::memory_order_relaxed);
     if (head - known_tail_ == slots_.size()) {
       known_tail_ = tail_.load(std::memory_order_acquire);
-      if (head - known_tail_ == slots_.size()) return false;
+      if (head - known_tail_ == slots_.size()) return nullptr;
     }
-    slots_[head & (slots_.size() - 1)] = value;
-    head_.store(head + 1, std::memory_order_release);
+    return &slots_[head & (slots_.size() - 1)];
+  }
+  // Producer. Hands over what was written to the slot.
+  void commit() noexcept {
+    head_.store(head_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+  }
+
+  // Producer. False, and nothing stored, when full.
+  bool push(const T& value) noexcept {
+    T* to = slot();
+    if (to == nullptr) return false;
+    *to = value;
+    commit();
     return true;
   }
 

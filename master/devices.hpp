@@ -4,11 +4,12 @@
 #include <variant>
 
 #include "master/haptic_device.hpp"
+#include "master/replay_hand.hpp"
 #include "master/sim_hand.hpp"
 
 namespace farhand {
 
-using AnyDevice = std::variant<SimHand<FalconGeometry>, SimHand<TwinDeltaGeometry>>;
+using AnyDevice = std::variant<SimHand<FalconGeometry>, SimHand<TwinDeltaGeometry>, ReplayHand>;
 
 inline HandleReading read(AnyDevice& device, TimePoint now) noexcept {
   return std::visit([&](auto& d) { return d.read(now); }, device);

@@ -28,7 +28,8 @@ void MasterLoop::run(Duration limit) noexcept {
 }
 
 void MasterLoop::turn() noexcept {
-  LoopTiming& timing = record_.timing;
+  record_ = &recorder_.slot();
+  LoopTiming& timing = record_->timing;
   timing = {};
   sleep_until(next_);
   const TimePoint begin = monotonic_now();
@@ -44,9 +45,9 @@ void MasterLoop::turn() noexcept {
   const TimePoint waiting = monotonic_now();
   await_answer(begin + config_.cut_off);
   const TimePoint acting = monotonic_now();
-  record_.tick = master_.actuate(acting, slave(acting));
+  record_->tick = master_.actuate(acting, slave(acting));
   const TimePoint decided = monotonic_now();
-  write(device_, decided, record_.tick.tau);
+  write(device_, decided, record_->tick.tau);
   const TimePoint end = monotonic_now();
 
   timing.read = sampled - begin;
@@ -60,7 +61,7 @@ void MasterLoop::turn() noexcept {
 // Overruns are judged against the next period's begin; periods that were missed altogether are left
 // out, not made up.
 void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
-  LoopTiming& timing = record_.timing;
+  LoopTiming& timing = record_->timing;
   split_.busy(busy);
   next_ += config_.period;
   if (end > next_) {
@@ -73,9 +74,9 @@ void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
     next_ += ((end - next_) / config_.period) * config_.period;
   }
   if (link_ != nullptr)
-    record_.link =
+    record_->link =
         link_status(*link_, socket_->counters().send_would_block + socket_->counters().send_failed);
-  recorder_.push(record_);
+  recorder_.commit();
 }
 
 Peer<SlaveToMaster> MasterLoop::slave(TimePoint now) const noexcept {

@@ -59,7 +59,7 @@ class MasterLoop {
   bool stopping_ = false;
   TimePoint next_{};
   std::uint64_t sent_sequence_ = 0;
-  MasterRecord record_;
+  MasterRecord* record_ = nullptr;  // this turn's, in the recorder's queue
 };
 
 }  // namespace farhand

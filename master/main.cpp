@@ -2,8 +2,10 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/build_info.hpp"
 #include "common/program.hpp"
 #include "master/build.hpp"
+#include "master/record.hpp"
 #include "master/status.hpp"
 
 int main(int argc, char** argv) {
@@ -30,8 +32,18 @@ int main(int argc, char** argv) {
           socket.emplace(plain_address(options.listen, scene.proto.link().master_address(), scene),
                          plain_address(options.slave, scene.proto.link().slave_address(), scene));
         }
+        std::optional<RecordingFile> file;
+        std::optional<MasterRecording> recording;
+        if (options.record) {
+          file.emplace(*options.record, scene, about_program("master", build_info()),
+                       std::vector{options.trace.value_or("")});
+          recording.emplace(*file, scene.proto);
+        }
         MasterStatus status(scene.shared_hash, options.quiet);
-        Recorder<MasterRecord> recorder([&](const MasterRecord& r) { status.add(r); });
+        Recorder<MasterRecord> recorder([&](const MasterRecord& r) {
+          status.add(r);
+          if (recording) recording->add(r);
+        });
 
         announce(scene,
                  socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
@@ -41,6 +53,7 @@ int main(int argc, char** argv) {
             .run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
+        if (file) std::fputs(file->end().c_str(), stdout);
         return 0;
       });
 }

@@ -24,7 +24,8 @@ void SlaveLoop::run(Duration limit) noexcept {
 }
 
 void SlaveLoop::turn() noexcept {
-  LoopTiming& timing = record_.timing;
+  record_ = &recorder_.slot();
+  LoopTiming& timing = record_->timing;
   timing = {};
   const auto arrival = await_message();
   const TimePoint planned = phase_.deadline();
@@ -32,9 +33,9 @@ void SlaveLoop::turn() noexcept {
 
   const RobotReading reading = read(robot_, begin);
   const TimePoint sampled = monotonic_now();
-  record_.tick = slave_.tick(begin, master(begin), reading);
+  record_->tick = slave_.tick(begin, master(begin), reading);
   const TimePoint decided = monotonic_now();
-  write(robot_, decided, record_.tick.tau);
+  write(robot_, decided, record_->tick.tau);
   const TimePoint written = monotonic_now();
   send();
   const TimePoint end = monotonic_now();
@@ -50,7 +51,7 @@ void SlaveLoop::turn() noexcept {
 // Late is a tick that began after the last instant at which it should have, or ended when the next
 // should have begun.
 void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept {
-  LoopTiming& timing = record_.timing;
+  LoopTiming& timing = record_->timing;
   timing.woken_late = std::max(begin - planned, Duration(0));
   split_.busy(end - begin);
   const TimePoint due = planned + config_.period / 2;
@@ -60,9 +61,9 @@ void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexce
     timing.overrun_own = shares.own;
     timing.overrun_machine = shares.machine;
   }
-  record_.link =
+  record_->link =
       link_status(link_, socket_.counters().send_would_block + socket_.counters().send_failed);
-  recorder_.push(record_);
+  recorder_.commit();
 }
 
 Peer<MasterToSlave> SlaveLoop::master(TimePoint now) const noexcept {
@@ -101,7 +102,7 @@ void SlaveLoop::receive() noexcept {
 void SlaveLoop::send() noexcept {
   const TimePoint now = monotonic_now();
   socket_.send(link_.hello_due(now));
-  socket_.send(link_.encode(record_.tick.out, now));
+  socket_.send(link_.encode(record_->tick.out, now));
 }
 
 }  // namespace farhand

@@ -56,7 +56,7 @@ class SlaveLoop {
   OverrunSplit split_;
   bool stopping_ = false;
   std::uint64_t ticked_sequence_ = 0;
-  SlaveRecord record_;
+  SlaveRecord* record_ = nullptr;  // this turn's, in the recorder's queue
 };
 
 }  // namespace farhand

@@ -1,8 +1,11 @@
 // farhand-slave: the robot's side. Arguments, scene, parts, loop.
 #include <cstdio>
+#include <optional>
 
+#include "common/build_info.hpp"
 #include "common/program.hpp"
 #include "slave/build.hpp"
+#include "slave/record.hpp"
 #include "slave/status.hpp"
 
 int main(int argc, char** argv) {
@@ -20,14 +23,24 @@ int main(int argc, char** argv) {
         SlaveLink link(
             {.session = random_session(), .scene_hash = scene.shared_hash, .silence = loop.lost});
         UdpSocket socket(plain_address(options.listen, scene.proto.link().slave_address(), scene));
+        std::optional<RecordingFile> file;
+        std::optional<SlaveRecording> recording;
+        if (options.record) {
+          file.emplace(*options.record, scene, about_program("slave", build_info()));
+          recording.emplace(*file, slave.config().workspace.R_SM);
+        }
         SlaveStatus status(scene.shared_hash, options.quiet);
-        Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) { status.add(r); });
+        Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) {
+          status.add(r);
+          if (recording) recording->add(r);
+        });
 
         announce(scene, "listening on " + to_string(socket.local()));
         warn_each(enter_realtime(kLoopPriority));
         SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
+        if (file) std::fputs(file->end().c_str(), stdout);
         return 0;
       });
 }

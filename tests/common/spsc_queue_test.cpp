@@ -42,7 +42,7 @@ TEST(Recorder, DeliversEveryRecordBeforeItStops) {
   std::vector<int> seen;
   {
     Recorder<int> recorder([&](const int& x) { seen.push_back(x); });
-    for (int i = 0; i < 1000; ++i) recorder.push(i);
+    for (int i = 0; i < 1000; ++i) recorder.slot() = i, recorder.commit();
     recorder.stop();
     EXPECT_EQ(recorder.lost(), 0u);
   }
@@ -58,7 +58,7 @@ TEST(Recorder, AStuckSinkCostsRecordsAndCountsThem) {
     ++seen;
   });
   constexpr int kPushed = 3 * static_cast<int>(Recorder<int>::kCapacity);
-  for (int i = 0; i < kPushed; ++i) recorder.push(i);
+  for (int i = 0; i < kPushed; ++i) recorder.slot() = i, recorder.commit();
   EXPECT_GT(recorder.lost(), 0u);
   hold = false;
   recorder.stop();

@@ -27,6 +27,12 @@ std::optional<ImpairmentConfig> impairment(bool present, const proto::Impairment
                           .corrupt_ratio = i.corrupt_ratio()};
 }
 
+AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
+  if (options.device) return *options.device;
+  return make_device(scene, options.trace,
+                     stream(options.seed.value_or(scene.proto.seed()), kHandStream));
+}
+
 void push(Impairment& network, std::span<const std::byte> datagram, TimePoint now) noexcept {
   if (!datagram.empty()) network.push(datagram, now);
 }
@@ -36,8 +42,7 @@ void push(Impairment& network, std::span<const std::byte> datagram, TimePoint no
 Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
     : loop_(master_loop_config(scene.proto)),
       master_(master_config(scene.proto)),
-      device_(make_device(scene, options.trace,
-                          stream(options.seed.value_or(scene.proto.seed()), kHandStream))),
+      device_(device_of(scene, options)),
       link_({.session = 1, .scene_hash = scene.shared_hash, .silence = loop_.lost}),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
   if (scene.proto.has_slave()) slave_.emplace(scene, options.seed.value_or(scene.proto.seed()));

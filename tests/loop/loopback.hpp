@@ -25,6 +25,7 @@ struct LoopbackOptions {
   std::optional<std::uint64_t> seed;  // instead of the scene's
   std::optional<double> duration_s;   // instead of the scene's
   std::optional<std::string> trace;   // motion of the simulated hand
+  std::optional<AnyDevice> device;    // instead of the simulated hand
 };
 
 class Loopback {
@@ -54,6 +55,10 @@ class Loopback {
     return slave_ ? &slave_->link.counters() : nullptr;
   }
   const LinkQuality& quality() const noexcept { return link_.quality(); }
+  LinkStatus master_status() const noexcept { return link_status(link_, 0); }
+  LinkStatus slave_status() const noexcept {
+    return slave_ ? link_status(slave_->link, 0) : LinkStatus{};
+  }
 
  private:
   static constexpr TimePoint kStart{std::chrono::seconds(1)};

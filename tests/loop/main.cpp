@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "common/build_info.hpp"
 #include "common/program.hpp"
+#include "tests/loop/replay.hpp"
 #include "tests/loop/run.hpp"
 
 int main(int argc, char** argv) {
@@ -12,8 +14,12 @@ int main(int argc, char** argv) {
   CLI::App app("both sides of a scene in one process, in virtual time", "farhand-loopback");
   ProgramOptions options;
   LoopbackOptions loop;
+  std::string replay;
   bool json = false;
-  app.add_option("scene", options.scene, "scene file, see deploy/scenes")->required();
+  auto* scene_file = app.add_option("scene", options.scene, "scene file, see deploy/scenes");
+  app.add_option("--replay", replay,
+                 "the hand moves as in this recording; without a scene in the one attached to it");
+  app.add_option("--record", options.record, "record both sides into this MCAP file");
   app.add_option("--trace", loop.trace, "recorded motion (CSV) for the simulated hand");
   app.add_option("--seed", loop.seed, "instead of the scene's seed");
   add_duration_option(app, options.duration_s, "simulated seconds, instead of the scene's");
@@ -22,17 +28,24 @@ int main(int argc, char** argv) {
   app.add_flag("--check", options.check, "check the scene and exit");
   try {
     app.parse(argc, argv);
+    if (replay.empty() && scene_file->empty()) throw CLI::RequiredError("scene or --replay");
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   }
   if (options.duration_s > 0) loop.duration_s = options.duration_s;
   return run_guarded("farhand-loopback", [&] {
-    const Scene scene = load_scene(options.scene);
+    const Scene scene =
+        replay.empty() ? load_scene(options.scene) : prepare_replay(replay, options.scene, loop);
     Stages stages{{"master", master_stages(scene.proto)}};
     if (scene.proto.has_slave()) stages.push_back({"slave", slave_stages(scene.proto)});
     if (print_only(options, scene, stages)) return 0;
-    const RunResult result = run_scene(scene, loop);
+    std::optional<RecordingFile> file;
+    if (options.record)
+      file.emplace(*options.record, scene, about_loopback(scene, loop, build_info()),
+                   std::vector{loop.trace.value_or(""), replay});
+    const RunResult result = run_scene(scene, loop, file ? &*file : nullptr);
     std::fputs((json ? to_json(result) : to_text(result)).c_str(), stdout);
+    if (file) std::fputs(file->end().c_str(), json ? stderr : stdout);
     return result.good() ? 0 : 1;
   });
 }

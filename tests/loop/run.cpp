@@ -4,6 +4,8 @@
 #include <chrono>
 
 #include "common/scene_values.hpp"
+#include "master/record.hpp"
+#include "slave/record.hpp"
 
 namespace farhand {
 namespace {
@@ -46,8 +48,16 @@ class SettlingWatch {
   std::size_t next_ = 0;
 };
 
-Vec3 true_handle(const AnyDevice& device) {
-  return std::visit([](const auto& d) -> Vec3 { return d.truth().state.p_MH; }, device);
+// As the device knows it, or else as it was measured.
+Vec3 true_handle(const AnyDevice& device, const Vec3& measured) {
+  return std::visit(
+      [&](const auto& d) -> Vec3 {
+        if constexpr (requires { d.truth(); })
+          return d.truth().state.p_MH;
+        else
+          return measured;
+      },
+      device);
 }
 
 // Where the handle's true position asks the tool to be, by the references the slave took.
@@ -59,9 +69,15 @@ Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
 
 }  // namespace
 
-RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
+RunResult run_scene(const Scene& scene, const LoopbackOptions& options, RecordingFile* file) {
   RunResult out;
   Loopback loop(scene, options);
+  std::optional<MasterRecording> master_recording;
+  std::optional<SlaveRecording> slave_recording;
+  if (file != nullptr) master_recording.emplace(*file, scene.proto);
+  if (file != nullptr && loop.slave() != nullptr)
+    slave_recording.emplace(*file, loop.slave()->config().workspace.R_SM);
+  Vec3 p_MH = Vec3::Zero();  // as measured last
   Checkers checkers(loop);
   Digest digest;
   SettlingWatch settling(scene.proto);
@@ -71,8 +87,10 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
     out.master.add(t);
     digest.add(t.reading.theta);
     digest.add(t.tau);
+    p_MH = t.handle.X_MH.p;
     if (t.position_controlled)
-      settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device()));
+      settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device(), p_MH));
+    if (master_recording) master_recording->add({t, {}, loop.master_status()});
   };
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);
@@ -81,9 +99,10 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options) {
     digest.add(t.tau);
     const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop.robot());
     out.peak_penetration = std::max(out.peak_penetration, truth.penetration);
+    if (slave_recording) slave_recording->add({t, {}, loop.slave_status()});
     if (!t.coupled) return;
     const double error =
-        (wanted_tool(*loop.slave(), true_handle(loop.device())) - truth.X_SE.p).norm();
+        (wanted_tool(*loop.slave(), true_handle(loop.device(), p_MH)) - truth.X_SE.p).norm();
     (truth.F_E_S.force.norm() > kContactForce ? out.handle_to_robot_contact
                                               : out.handle_to_robot_free)
         .add(error);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/recording_file.hpp"
 #include "common/statistics.hpp"
 #include "master/summary.hpp"
 #include "slave/summary.hpp"
@@ -27,7 +28,7 @@ struct RunResult {
   MasterSummary master;
   SlaveSummary slave;
   // The true tool against where the true handle, at the same instant, asks it to be: servo and
-  // network together.
+  // network together. In a replay the measured handle stands for the true one.
   Rms handle_to_robot_free, handle_to_robot_contact;  // [m]
   std::vector<Settling> settling;
   double peak_penetration = 0;  // [m]
@@ -41,7 +42,9 @@ struct RunResult {
   bool good() const noexcept { return violations == 0; }
 };
 
-RunResult run_scene(const Scene& scene, const LoopbackOptions& options);
+// Records both sides into `file` if there is one.
+RunResult run_scene(const Scene& scene, const LoopbackOptions& options,
+                    RecordingFile* file = nullptr);
 
 std::string to_text(const RunResult& result);
 std::string to_json(const RunResult& result);

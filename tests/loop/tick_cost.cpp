@@ -5,6 +5,7 @@
 //   master, slave                    the product's ticks alone: no link, no device, no plant
 //   straight-master, straight-slave  the smallest scene's, see straight_ticks.hpp
 //   bare-master, bare-slave          the same without leaving a record
+//   recorded-master, recorded-slave  the product's, each handed to the recorder's thread
 //   check                            counts nothing; fails unless straight and product give the
 //                                    same bits
 //
@@ -120,6 +121,22 @@ bool same_bits(const MasterConfig& m, const SlaveConfig& s, const Recorded& reco
   return equal && coupled > 0;
 }
 
+// What the loops do with a tick, without the thread at the other end.
+template <typename Record>
+class RecordedTicks {
+ public:
+  template <typename Tick>
+  void add(const Tick& tick) {
+    queue_.slot()->tick = tick;
+    queue_.commit();
+    queue_.front();
+    queue_.pop();
+  }
+
+ private:
+  SpscQueue<Record> queue_{16};
+};
+
 int run(const std::string& part, const Scene& scene, std::size_t from, std::size_t ticks) {
   const Recorded recorded = record(scene, from + ticks);
   const MasterConfig m = master_config(scene.proto);
@@ -132,7 +149,20 @@ int run(const std::string& part, const Scene& scene, std::size_t from, std::size
     count(recorded.slave, from, ticks,
           [&](const SlaveInput& i) { side.tick(i.now, fresh(i.in), i.robot); });
   };
-  if (part == "master") {
+  if (part == "recorded-master") {
+    Master master(m);
+    RecordedTicks<MasterRecord> recorded_ticks;
+    count(recorded.master, from, ticks, [&](const MasterInput& i) {
+      master.sample(i.now, i.reading, fresh(i.in));
+      recorded_ticks.add(master.actuate(i.now, fresh(i.in)));
+    });
+  } else if (part == "recorded-slave") {
+    Slave slave(s);
+    RecordedTicks<SlaveRecord> recorded_ticks;
+    count(recorded.slave, from, ticks, [&](const SlaveInput& i) {
+      recorded_ticks.add(slave.tick(i.now, fresh(i.in), i.robot));
+    });
+  } else if (part == "master") {
     Master master(m);
     count(recorded.master, from, ticks, [&](const MasterInput& i) {
       master.sample(i.now, i.reading, fresh(i.in));

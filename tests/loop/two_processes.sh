@@ -104,4 +104,26 @@ stop_both INT
 [[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different scenes left IDLE"
 pass "different scenes: the slave says so, the master that nobody answers, and both stay idle"
 
+# A disk of 1 MiB where that can be mounted out of everybody's sight, else a limit on the size of files.
+mkdir "$dir/disk"
+if unshare --mount mount -t tmpfs -o size=1m none "$dir/disk" 2>/dev/null; then
+  small=(unshare --mount bash -c "mount -t tmpfs -o size=1m none '$dir/disk'"' && "$@"; s=$?; cp '"'$dir/disk/run.mcap' '$dir'; exit \$s" -)
+else
+  small=(bash -c 'ulimit -f 1024 && "$@"; s=$?; cp '"'$dir/disk/run.mcap' '$dir'; exit \$s" -)
+fi
+"$bin/farhand-slave" "$scene" --quiet --listen "127.0.0.1:$port" --record /dev/full >"$dir/slave" 2>&1 & slave=$!
+"${small[@]}" "$bin/farhand-master" "$scene" --quiet --slave "127.0.0.1:$port" --duration 8 --record "$dir/disk/run.mcap" \
+  >"$dir/master" 2>&1 & master=$!
+wait "$master" || fail "the master's exit status was $?"
+kill -INT "$slave"
+wait "$slave" || fail "the slave's exit status was $?"
+for side in master slave; do
+  grep -qE 'recording lost [1-9].*(No space|too large)' "$dir/$side" || fail "the $side did not say that records were lost"
+  grep -q 'records lost' "$dir/$side" && fail "the $side lost ticks on their way to the disk"
+  grep -q 'READY -> ENGAGED' "$dir/$side" || fail "the $side did not engage"
+done
+"$bin/farhand-loopback" --replay "$dir/run.mcap" >"$dir/replay" 2>&1 || { cat "$dir/replay"; fail "what fitted cannot be replayed"; }
+grep -q 'ENGAGED [1-9]' "$dir/replay" || fail "the replay did not engage"
+pass "full disks cost records ($(grep -o 'lost [0-9]* of [0-9]*' "$dir/master")), no tick; what fitted is replayed"
+
 echo "$passed passed, 0 failed"

@@ -1,0 +1,38 @@
+// What the records of both sides have in common.
+#pragma once
+
+#include "common/loop_report.hpp"
+#include "common/realtime.hpp"
+#include "common/recording_file.hpp"
+
+namespace farhand {
+
+inline float microseconds(Duration d) noexcept {
+  return plotted<12>(static_cast<double>(d.count()) * 1e-3);
+}
+
+template <typename Record>
+void set_timing(Record& to, const LoopTiming& t) {
+  to.set_woken_late_us(microseconds(t.woken_late));
+  to.set_read_us(microseconds(t.read));
+  to.set_compute_us(microseconds(t.compute));
+  to.set_link_us(microseconds(t.link));
+  to.set_wait_us(microseconds(t.wait));
+  to.set_write_us(microseconds(t.write));
+  to.set_overrun(t.overrun);
+  to.set_overrun_own_us(microseconds(t.overrun_own));
+  to.set_overrun_machine_us(microseconds(t.overrun_machine));
+}
+
+template <typename Record>
+void set_link(Record& to, const LinkStatus& s) {
+  to.set_round_trip_us(s.round_trip_known ? microseconds(s.round_trip) : 0);
+  to.set_clock_offset_ns(s.clock_offset.count());
+  to.set_received(s.received);
+  to.set_dropped(s.dropped);
+  to.set_lost(s.lost);
+  to.set_reordered(s.reordered);
+  to.set_not_sent(s.not_sent);
+}
+
+}  // namespace farhand

@@ -1,0 +1,99 @@
+#include "master/record.hpp"
+
+#include <stdexcept>
+
+#include "common/mcap_reader.hpp"
+#include "common/record_fields.hpp"
+#include "proto/foxglove.pb.h"
+
+namespace farhand {
+namespace {
+
+template <typename Field>
+bool take(const Field& from, double* to, int size) noexcept {
+  if (from.size() != size) return false;
+  std::copy(from.begin(), from.end(), to);
+  return true;
+}
+
+void fill_reading(record::MasterRecord& to, const HandleReading& from, int motors) {
+  to.set_reading_ok(from.ok);
+  to.set_dead_man(from.dead_man);
+  to.set_clutch(from.clutch);
+  to.set_has_force(from.has_force);
+  append(to.mutable_theta_rad(), std::span(from.theta.data(), static_cast<std::size_t>(motors)));
+  if (!from.has_force) return;
+  append(to.mutable_user_force_g_n(), from.F_user_G.force);
+  append(to.mutable_user_torque_g_nm(), from.F_user_G.torque);
+}
+
+void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
+  to.set_mode(static_cast<record::Mode>(from.mode));
+  append(to.mutable_handle_position_m_m(), from.handle.X_MH.p);
+  append(to.mutable_handle_quaternion_m(), from.out.q_MH);
+  append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
+  append(to.mutable_handle_angular_velocity_m_rad_per_s(), from.out.V_MH.angular);
+  if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
+  append(to.mutable_environment_force_g_n(), from.F_env_G.force);
+  append(to.mutable_environment_torque_g_nm(), from.F_env_G.torque);
+  append(to.mutable_force_g_n(), from.F_G.force);
+  append(to.mutable_torque_g_nm(), from.F_G.torque);
+  append(to.mutable_tau_nm(), std::span(from.tau.data(), static_cast<std::size_t>(motors)));
+  if (from.position_controlled) append(to.mutable_target_position_m_m(), from.p_MH_target);
+  to.set_limits(from.limits);
+  to.set_slave_mode(static_cast<record::Mode>(from.in.mode));
+  to.set_coupled(from.in.coupled);
+}
+
+}  // namespace
+
+void fill(record::MasterRecord& to, const MasterRecord& from, int motors) {
+  fill_reading(to, from.tick.reading, motors);
+  fill_tick(to, from.tick, motors);
+  set_timing(to, from.timing);
+  set_link(to, from.link);
+}
+
+HandleReading handle_reading(const record::MasterRecord& from) noexcept {
+  constexpr int kFalconMotors = 3, kTwinDeltaMotors = 6;
+  HandleReading out{.ok = from.reading_ok(),
+                    .dead_man = from.dead_man(),
+                    .clutch = from.clutch(),
+                    .has_force = from.has_force()};
+  out.ok &= take(from.theta_rad(), out.theta.data(), kFalconMotors) ||
+            take(from.theta_rad(), out.theta.data(), kTwinDeltaMotors);
+  if (out.has_force)
+    out.ok &= take(from.user_force_g_n(), out.F_user_G.force.data(), 3) &&
+              take(from.user_torque_g_nm(), out.F_user_G.torque.data(), 3);
+  return out;
+}
+
+std::vector<HandleReading> read_readings(McapReader& reader) {
+  std::vector<HandleReading> out;
+  record::MasterRecord tick;
+  for (McapReader::Message m; reader.next(m);)
+    if (m.topic == kMasterTopic &&
+        tick.ParseFromArray(m.data.data(), static_cast<int>(m.data.size())))
+      out.push_back(handle_reading(tick));
+  if (out.empty())
+    throw std::runtime_error("this recording holds no ticks of a master: give a master's one");
+  return out;
+}
+
+MasterRecording::MasterRecording(RecordingFile& file, const proto::Scene& scene)
+    : file_(file),
+      motors_(scene.master().has_falcon() ? 3 : 6),
+      ticks_(file.channel(kMasterTopic, *record::MasterRecord::descriptor())),
+      pose_(file.channel("/handle/pose", *foxglove::PoseInFrame::descriptor())),
+      transforms_(file.channel("/tf", *foxglove::FrameTransform::descriptor())) {}
+
+void MasterRecording::add(const MasterRecord& r) {
+  message_.Clear();
+  fill(message_, r, motors_);
+  file_.write(ticks_, r.tick.now, message_);
+  if (!viewers_.due(r.tick.now)) return;
+  file_.write_pose(pose_, r.tick.now, "M", r.tick.handle.X_MH);
+  file_.write_transform(transforms_, r.tick.now, "M", "H", r.tick.handle.X_MH);
+}
+
+}  // namespace farhand
