@@ -42,7 +42,7 @@ Chart path_chart(const RunView& view, std::string title, const Columns<3>* actua
   c.equal_aspect = true;
   c.width = view.width;
   c.panel_height = c.columns == 3 ? 170 : 150;
-  constexpr double kSpacing = 0.05;  // [mm]
+  constexpr int kCells = 400;  // more than it has pixels
   for (const Plane plane : {Plane{0, 1}, Plane{0, 2}, Plane{1, 2}}) {
     Panel p;
     p.x = {.label = std::string(kAxes[plane.x]) + " [mm]", .least = kLeastMm};
@@ -50,7 +50,7 @@ Chart path_chart(const RunView& view, std::string title, const Columns<3>* actua
     const auto add = [&](const Columns<3>* path, const char* path_name, int style) {
       if (path == nullptr) return;
       p.lines.push_back(
-          {path_name, style, thin_path((*path)[plane.x], (*path)[plane.y], kSpacing, kMilli)});
+          {path_name, style, thin_path((*path)[plane.x], (*path)[plane.y], kCells, kMilli)});
     };
     add(actual, name, 0);
     add(wanted, "target", 1);

@@ -48,21 +48,53 @@ void draw_all(Pen& pen, std::span<const double> t, std::span<const float> y, dou
       pen.lift(t[i]);
 }
 
-// Indices, in ascending order, of the samples a path keeps whatever their distance.
-std::vector<std::size_t> extremes(std::span<const float> x, std::span<const float> y) {
+// The samples at the ends of x and y.
+struct Extremes {
   std::size_t left = kNone, right = kNone, low = kNone, high = kNone;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
-    if (left == kNone) left = right = low = high = i;
-    if (x[i] < x[left]) left = i;
-    if (x[i] > x[right]) right = i;
-    if (y[i] < y[low]) low = i;
-    if (y[i] > y[high]) high = i;
+
+  Extremes(std::span<const float> x, std::span<const float> y) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (!std::isfinite(x[i]) || !std::isfinite(y[i])) continue;
+      if (left == kNone) left = right = low = high = i;
+      if (x[i] < x[left]) left = i;
+      if (x[i] > x[right]) right = i;
+      if (y[i] < y[low]) low = i;
+      if (y[i] > y[high]) high = i;
+    }
   }
-  std::vector<std::size_t> out{left, right, low, high};
-  std::sort(out.begin(), out.end());
-  return out;
-}
+  bool has(std::size_t i) const { return i == left || i == right || i == low || i == high; }
+};
+
+// Which cells of the grid the path has been in.
+class Visits {
+ public:
+  enum class Step { stays, to_new, to_seen };
+
+  Visits(double x0, double y0, double cell, int cells)
+      : x0_(x0),
+        y0_(y0),
+        cell_(cell),
+        row_(static_cast<std::size_t>(cells) + 1),
+        seen_(row_ * row_, false) {}
+
+  Step step(double x, double y) {
+    const std::size_t at = index(y - y0_) * row_ + index(x - x0_);
+    if (at == at_) return Step::stays;
+    at_ = at;
+    const bool seen = seen_[at];
+    seen_[at] = true;
+    return seen ? Step::to_seen : Step::to_new;
+  }
+
+ private:
+  std::size_t index(double distance) const {
+    return std::min(static_cast<std::size_t>(distance / cell_), row_ - 1);
+  }
+  double x0_, y0_, cell_;
+  std::size_t row_;
+  std::vector<bool> seen_;
+  std::size_t at_ = kNone;
+};
 
 }  // namespace
 
@@ -93,23 +125,28 @@ std::vector<Point> envelope(std::span<const double> t, std::span<const float> y,
   return pen.points;
 }
 
-std::vector<Point> thin_path(std::span<const float> x, std::span<const float> y, double spacing,
+std::vector<Point> thin_path(std::span<const float> x, std::span<const float> y, int cells,
                              double scale) {
-  const std::vector<std::size_t> kept = extremes(x, y);
-  auto next_kept = kept.begin();
+  const Extremes ends(x, y);
+  if (ends.left == kNone) return {};
+  const double side = std::max<double>(x[ends.right] - x[ends.left], y[ends.high] - y[ends.low]);
+  Visits visits(x[ends.left], y[ends.low], side > 0 ? side / cells : 1, cells);
   Pen pen;
+  bool away = true;  // the pen is not where the path is
   for (std::size_t i = 0; i < x.size(); ++i) {
-    bool keep = false;
-    while (next_kept != kept.end() && *next_kept == i) keep = true, ++next_kept;
     if (!std::isfinite(x[i]) || !std::isfinite(y[i])) {
-      pen.lift(x[i]);
+      pen.lift(0);
+      away = true;
       continue;
     }
-    const Point p{x[i] * scale, y[i] * scale};
-    const bool first = pen.points.empty() || std::isnan(pen.points.back().y);
-    if (keep || first || i + 1 == x.size() || std::abs(p.x - pen.points.back().x) >= spacing ||
-        std::abs(p.y - pen.points.back().y) >= spacing)
-      pen.points.push_back(p);
+    const Visits::Step step = visits.step(x[i], y[i]);
+    const bool is_new = step == Visits::Step::to_new || ends.has(i);
+    if (!is_new && (away || step == Visits::Step::stays)) continue;
+    if (away) pen.lift(0);
+    if (away && i > 0 && std::isfinite(x[i - 1]) && std::isfinite(y[i - 1]))
+      pen.to(x[i - 1] * scale, y[i - 1] * scale);
+    pen.to(x[i] * scale, y[i] * scale);
+    away = !is_new;
   }
   return pen.points;
 }

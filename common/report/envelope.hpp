@@ -19,10 +19,11 @@ struct Point {
 std::vector<Point> envelope(std::span<const double> t, std::span<const float> y, double lo,
                             double hi, int columns, double scale = 1);
 
-// The path y over x (a curve in the plane, not a function of x) without samples nearer than
-// `spacing` to the last one kept, in either direction; the extremes of x and y survive. Samples
-// where either is not finite interrupt the line.
-std::vector<Point> thin_path(std::span<const float> x, std::span<const float> y, double spacing,
+// The path y over x (a curve in the plane, not a function of x) on a grid of square cells, `cells`
+// along its longer side: where it comes again through cells it has been in, nothing new is drawn,
+// so a motion repeated for an hour is as short as once. The extremes of x and y survive. Samples
+// where either is not finite interrupt the line. Values are multiplied by `scale`.
+std::vector<Point> thin_path(std::span<const float> x, std::span<const float> y, int cells,
                              double scale = 1);
 
 }  // namespace farhand

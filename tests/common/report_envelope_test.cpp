@@ -88,19 +88,53 @@ TEST(Envelope, NothingIsDrawnOfNothing) {
   EXPECT_TRUE(envelope(s.t, s.y, 5, 6, 100).empty());
 }
 
-TEST(ThinPath, KeepsExtremesAndLeavesOutWhatIsNear) {
+struct Path {
   std::vector<float> x, y;
-  for (int i = 0; i < 10000; ++i) {
-    x.push_back(static_cast<float>(std::cos(i * 1e-3)));
-    y.push_back(static_cast<float>(std::sin(i * 1e-3)));
+};
+Path circles(int count) {
+  Path p;
+  for (int i = 0; i < 6284 * count; ++i) {
+    p.x.push_back(static_cast<float>(std::cos(i * 1e-3)));
+    p.y.push_back(static_cast<float>(std::sin(i * 1e-3)));
   }
-  x[5000] = 3;  // one far sample
-  const auto points = thin_path(x, y, 0.05);
-  EXPECT_LT(points.size(), 500u);
+  return p;
+}
+
+TEST(ThinPath, EverySampleIsWithinACellOfOneThatIsDrawn) {
+  const Path p = circles(1);
+  const auto points = thin_path(p.x, p.y, 100);
+  constexpr double kCell = 2.0 / 100;
+  for (std::size_t i = 0; i < p.x.size(); i += 7) {
+    double nearest = 1e9;
+    for (const Point& q : points)
+      nearest = std::min(nearest, std::max(std::abs(q.x - p.x[i]), std::abs(q.y - p.y[i])));
+    EXPECT_LE(nearest, kCell) << i;
+  }
+}
+
+TEST(ThinPath, ARepeatedMotionIsAsLongAsOne) {
+  const Path once = circles(1), often = circles(40);
+  const std::size_t one = thin_path(once.x, once.y, 100).size();
+  EXPECT_LT(one, 2000u);
+  EXPECT_LT(thin_path(often.x, often.y, 100).size(), 2 * one);
+}
+
+TEST(ThinPath, ASlowMotionIsOneUnbrokenLine) {
+  const Path p = circles(1);
+  for (const Point& q : thin_path(p.x, p.y, 100)) EXPECT_FALSE(std::isnan(q.y)) << q.x;
+}
+
+TEST(ThinPath, ExtremesSurviveAndMissingSamplesInterrupt) {
+  Path p = circles(3);
+  p.x[9000] = 3;  // one far sample
+  p.y[9500] = kNaN;
+  const auto points = thin_path(p.x, p.y, 100);
   EXPECT_EQ(std::max_element(points.begin(), points.end(),
                              [](const Point& a, const Point& b) { return a.x < b.x; })
                 ->x,
             3);
+  for (const Point& q : points) EXPECT_FALSE(std::isnan(q.x));
+  EXPECT_TRUE(thin_path({}, {}, 100).empty());
 }
 
 }  // namespace
