@@ -1,0 +1,45 @@
+// The figures a run is told by, as rows that a page and JSON are both written from.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/report/html_page.hpp"
+#include "common/report/run_data.hpp"
+
+namespace farhand {
+
+// One quantity of one run [SI]: as many values as its group has statistics, NaN where one was not
+// recorded; empty if none was.
+using Figures = std::vector<double>;
+
+struct SummaryRow {
+  std::string key;    // in JSON, with the SI unit
+  std::string label;  // on the page
+  std::string unit;   // on the page
+  double scale = 1;   // from SI to that unit
+  int decimals = -1;  // on the page; -1: three digits of the smallest in the row, within limits
+  std::vector<Figures> runs;
+};
+
+struct SummaryGroup {
+  std::string name;
+  std::vector<std::string> statistics;  // names on the page
+  std::vector<std::string> keys;        // and in JSON; with only one its row's key is enough
+  std::vector<SummaryRow> rows;
+};
+
+// Rows that no run has a value for are left out, as are empty groups.
+std::vector<SummaryGroup> summarize(const std::vector<RunData>& runs);
+
+// One per group; `names` head the runs' columns.
+std::vector<Table> tables(const std::vector<SummaryGroup>& groups,
+                          const std::vector<std::string>& names);
+
+// {"recordings": [{"name": ..., "files": [...], "notes": [...], "<key>": {"rms": ...} or number}]};
+// numbers with 9 digits, what was not recorded is left out.
+std::string json(const std::vector<SummaryGroup>& groups, const std::vector<RunData>& runs,
+                 const std::vector<std::string>& names);
+
+}  // namespace farhand

@@ -1,0 +1,93 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/report/run_summary.hpp"
+#include "common/report/text.hpp"
+
+namespace farhand {
+namespace {
+
+// Alike for a whole row, so that its points are in line.
+int decimals_of(const SummaryRow& row) {
+  if (row.decimals >= 0) return row.decimals;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+  for (const Figures& f : row.runs)
+    for (const double v : f)
+      if (std::isfinite(v) && v != 0) {
+        smallest = std::min(smallest, std::abs(v * row.scale));
+        largest = std::max(largest, std::abs(v * row.scale));
+      }
+  constexpr int kMostDigits = 6;
+  const int before_point = largest < 10 ? 1 : static_cast<int>(std::log10(largest)) + 1;
+  return std::clamp(decimals_for(smallest), 0, std::clamp(kMostDigits - before_point, 0, 3));
+}
+
+TableRow table_row(const SummaryRow& row, std::size_t statistics) {
+  TableRow out{row.label, row.unit, {}};
+  const int decimals = decimals_of(row);
+  for (const Figures& f : row.runs) {
+    if (f.empty()) out.cells.insert(out.cells.end(), statistics, fixed(NAN, 0));
+    for (const double v : f) out.cells.push_back(fixed(v * row.scale, decimals));
+  }
+  return out;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<unsigned char>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string list(const std::vector<std::string>& texts) {
+  std::string out;
+  for (const std::string& t : texts) out += (out.empty() ? "" : ", ") + quoted(t);
+  return "[" + out + "]";
+}
+
+std::string value(const Figures& v, const std::vector<std::string>& keys) {
+  if (keys.size() == 1) return fmt::format("{:.9g}", v.front());
+  std::string out;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (std::isfinite(v[i]))
+      out += fmt::format("{}\"{}\": {:.9g}", out.empty() ? "" : ", ", keys[i], v[i]);
+  return "{" + out + "}";
+}
+
+}  // namespace
+
+std::vector<Table> tables(const std::vector<SummaryGroup>& groups,
+                          const std::vector<std::string>& names) {
+  std::vector<Table> out;
+  for (const SummaryGroup& g : groups) {
+    Table t{g.name, names, g.statistics, {}};
+    for (const SummaryRow& row : g.rows) t.rows.push_back(table_row(row, g.statistics.size()));
+    out.push_back(std::move(t));
+  }
+  return out;
+}
+
+std::string json(const std::vector<SummaryGroup>& groups, const std::vector<RunData>& runs,
+                 const std::vector<std::string>& names) {
+  std::string out = "{\n  \"recordings\": [";
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    out +=
+        fmt::format("{}\n    {{\n      \"name\": {},\n      \"files\": {},\n      \"notes\": {}",
+                    r > 0 ? "," : "", quoted(names[r]), list(runs[r].files), list(runs[r].notes));
+    for (const SummaryGroup& g : groups)
+      for (const SummaryRow& row : g.rows)
+        if (!row.runs[r].empty())
+          out += fmt::format(",\n      {}: {}", quoted(row.key), value(row.runs[r], g.keys));
+    out += "\n    }";
+  }
+  return out + "\n  ]\n}\n";
+}
+
+}  // namespace farhand
