@@ -13,9 +13,10 @@ constexpr int kLegs = 3;
 constexpr int kMaxIterations = 8;
 constexpr double kMaxStep = 0.030;  // [m]
 constexpr double kLastStep = 1e-9;  // [m]; convergence is quadratic, what remains is rounding
-// After a step of L < kSmallStep the bars are as good as at its end: a step of l < kLastStep with
-// them leaves l^2 / L, here below 2e-13 m.
+// After a step of L < kSmallStep the bars are as good as at its end: a step of l with them leaves
+// l^2 / L or less, and another makes that l / L times as much, until it is below kRounding.
 constexpr double kSmallStep = 5e-6;  // [m]
+constexpr double kRounding = 1e-17;  // [m]
 constexpr double kMinDetN = 0.1;     // reference section 2.4
 constexpr double kMinAbsSin = 0.1;
 
@@ -128,9 +129,12 @@ FalconForward search(const FalconGeometry& g, FalconForward at) noexcept {
     if (length > kMaxStep) n.step *= kMaxStep / length;
     at.p_MH += n.step;
     if (length >= kLastStep && length < kSmallStep && n.working) {
-      const Vec3 step = chord(g, at, n.bars);
-      length = step.norm();
-      at.p_MH += step;
+      const double with_bars_of = length;
+      do {
+        const Vec3 step = chord(g, at, n.bars);
+        at.p_MH += step;
+        length = step.norm();
+      } while (length < kLastStep && length * length > kRounding * with_bars_of);
       ++at.iterations;
     }
     if (length >= kLastStep) continue;
