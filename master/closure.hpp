@@ -88,10 +88,10 @@ inline ThreeRows three_rows(const Mat3& A) noexcept {
   return out;
 }
 inline Vec3 solve(const ThreeRows& m, const Vec3& b) noexcept {
-  return (m.crosses * b) / m.det;
+  return (1 / m.det) * (m.crosses * b);
 }
 inline Vec3 solve_transposed(const ThreeRows& m, const Vec3& b) noexcept {
-  return (m.crosses.transpose() * b) / m.det;
+  return (1 / m.det) * (m.crosses.transpose() * b);
 }
 
 // Three bars carry the platform, each pushed by a motor: unit bar directions n_i (rows of bars.A)

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/atan2.hpp"
+#include "common/sincos.hpp"
+
 namespace farhand {
 namespace {
 
@@ -10,7 +13,11 @@ constexpr int kLegs = 3;
 constexpr int kMaxIterations = 8;
 constexpr double kMaxStep = 0.030;  // [m]
 constexpr double kLastStep = 1e-9;  // [m]; convergence is quadratic, what remains is rounding
-constexpr double kMinDetN = 0.1;    // reference section 2.4
+// After a step of L < kSmallStep the bars are as good as at its end: a step of l with them leaves
+// l^2 / L or less, and another makes that l / L times as much, until it is below kRounding.
+constexpr double kSmallStep = 5e-6;  // [m]
+constexpr double kRounding = 1e-17;  // [m]
+constexpr double kMinDetN = 0.1;     // reference section 2.4
 constexpr double kMinAbsSin = 0.1;
 
 Vec3 to_leg(const FalconGeometry& g, int i, const Vec3& p) noexcept {
@@ -63,13 +70,13 @@ FalconLeg leg_angles(const FalconGeometry& g, const Vec3& reach) noexcept {
 // From the knee to the leg end in the leg frame, and what follows from it.
 struct Forearm {
   double u = 0, v = 0, w = 0;
-  double rho = 0;   // its length in the leg plane
-  double knee = 0;  // sin(t2 - t1), > 0 on the outward branch
+  double rho = 0;      // its length in the leg plane
+  double outward = 0;  // rho sin(t2 - t1), > 0 on the outward branch
 
   Forearm(const FalconGeometry& g, const Vec3& reach, double cos1, double sin1) noexcept
       : u(reach.x() - g.a * cos1), v(reach.y()), w(reach.z() - g.a * sin1) {
     rho = std::sqrt(u * u + w * w);
-    knee = (cos1 * w - sin1 * u) / rho;
+    outward = cos1 * w - sin1 * u;
   }
   // Along the bar, in the base frame; as long as the bar once the loop closes.
   Vec3 bar(const FalconGeometry& g, int i) const noexcept {
@@ -79,32 +86,57 @@ struct Forearm {
 };
 
 struct Newton {
+  ThreeRows bars{};
   Vec3 step = Vec3::Zero();
   bool working = false;  // the assembly with knees outward and det_n < 0
 };
 
+// Half of what the bar's squared length lacks.
+double shortfall(const FalconGeometry& g, const Forearm& f) noexcept {
+  const double in_plane = f.rho - (g.d + g.e);
+  return (g.b * g.b - (in_plane * in_plane + f.v * f.v)) / 2;
+}
+
 Newton newton(const FalconGeometry& g, const FalconForward& at) noexcept {
   Mat3 bars;
-  Vec3 excess;
+  Vec3 missing;
   bool outward = true;
   for (int i = 0; i < kLegs; ++i) {
     const Forearm f(g, reach_vector(g, i, at.p_MH), at.cos1[i], at.sin1[i]);
-    const Vec3 bar = f.bar(g, i);
-    bars.row(i) = bar;
-    excess[i] = (g.b * g.b - bar.squaredNorm()) / 2;
-    outward = outward && f.knee > 0 && f.rho > g.d + g.e;
+    bars.row(i) = f.bar(g, i);
+    missing[i] = shortfall(g, f);
+    outward = outward && f.outward > 0 && f.rho > g.d + g.e;
   }
-  const ThreeRows rows = three_rows(bars);
-  return {solve(rows, excess), outward && rows.det < 0};
+  Newton out{.bars = three_rows(bars)};
+  out.step = solve(out.bars, missing);
+  out.working = outward && out.bars.det < 0;
+  return out;
+}
+
+// The next step with the bars of the one before.
+Vec3 chord(const FalconGeometry& g, const FalconForward& at, const ThreeRows& bars) noexcept {
+  Vec3 missing;
+  for (int i = 0; i < kLegs; ++i)
+    missing[i] = shortfall(g, {g, reach_vector(g, i, at.p_MH), at.cos1[i], at.sin1[i]});
+  return solve(bars, missing);
 }
 
 FalconForward search(const FalconGeometry& g, FalconForward at) noexcept {
   for (at.iterations = 1; at.iterations <= kMaxIterations; ++at.iterations) {
     Newton n = newton(g, at);
-    const double length = n.step.norm();
+    double length = n.step.norm();
     if (!std::isfinite(length)) break;
     if (length > kMaxStep) n.step *= kMaxStep / length;
     at.p_MH += n.step;
+    if (length >= kLastStep && length < kSmallStep && n.working) {
+      const double with_bars_of = length;
+      do {
+        const Vec3 step = chord(g, at, n.bars);
+        at.p_MH += step;
+        length = step.norm();
+      } while (length < kLastStep && length * length > kRounding * with_bars_of);
+      ++at.iterations;
+    }
     if (length >= kLastStep) continue;
     if (!n.working) break;
     at.status = Status::ok;
@@ -117,11 +149,9 @@ FalconForward arms(const Vec3& theta1) noexcept {
   FalconForward at;
   if (!theta1.allFinite()) return at;
   at.status = Status::no_solution;
-  for (int i = 0; i < kLegs; ++i) {
-    const double angle = theta1[i];
-    at.cos1[i] = std::cos(angle);
-    at.sin1[i] = std::sin(angle);
-  }
+  const SinCos<kLegs> t = sincos<kLegs>(theta1.data());
+  at.cos1 = Vec3::Map(t.c.data());
+  at.sin1 = Vec3::Map(t.s.data());
   return at;
 }
 
@@ -142,8 +172,8 @@ FalconJacobian from_arms(const FalconGeometry& g, const Vec3& p, const Vec3& cos
   for (int i = 0; i < kLegs; ++i) {
     const Forearm f(g, reach_vector(g, i, p), cos1[i], sin1[i]);
     bars.row(i) = f.bar(g, i) / g.b;
-    knee[i] = f.knee;
-    lever[i] = g.a * (f.rho - (g.d + g.e)) / g.b * f.knee;
+    knee[i] = f.outward / f.rho;
+    lever[i] = g.a * (f.rho - (g.d + g.e)) / g.b * knee[i];
   }
   FalconJacobian J{.map = make_bar_map(bars, lever)};
   J.status = J.map.status;
@@ -190,14 +220,14 @@ FalconInverse inverse(const FalconGeometry& g, const Vec3& p_MH) noexcept {
 
 FalconMotorAngles motor_angles(const FalconGeometry& g, const Vec3& p_MH) noexcept {
   if (!p_MH.allFinite()) return {};
-  std::array<Direction, kLegs> arm;
+  Vec3 x, y;  // the arms' directions
   for (int i = 0; i < kLegs; ++i) {
     const Leg leg = close(g, reach_vector(g, i, p_MH));
     if (leg.bars.status != Status::ok) return {.status = leg.bars.status};
-    arm[i] = leg.arm;
+    x[i] = leg.arm.x, y[i] = leg.arm.y;
   }
   FalconMotorAngles out{.status = Status::ok};
-  for (int i = 0; i < kLegs; ++i) out.theta1[i] = arm[i].angle();
+  atan2<kLegs>(y.data(), x.data(), out.theta1.data());
   return out;
 }
 

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include "common/atan2.hpp"
+#include "common/sincos.hpp"
+
 namespace farhand {
 namespace {
 
@@ -143,26 +146,24 @@ TwinDeltaInverse inverse(const TwinDeltaGeometry& g, const TwinDeltaPose& pose) 
 TwinDeltaMotorAngles motor_angles(const TwinDeltaGeometry& g, const TwinDeltaPose& pose) noexcept {
   if (!finite(pose)) return {};
   const std::array<Vec3, 2> e = ends_in_halves(g, pose);
-  std::array<Direction, 6> arm;
+  Vec6 x, y;  // the arms' directions
   for (int k = 0; k < 2 * kHalf; ++k) {
     const int i = k % kHalf;
     const Leg leg = close(g, i, reach_vector(g, i, e[k / kHalf]));
     if (leg.bars.status != Status::ok) return {.status = leg.bars.status};
-    arm[k] = leg.arm;
+    x[k] = leg.arm.x, y[k] = leg.arm.y;
   }
   TwinDeltaMotorAngles out{.status = Status::ok};
-  for (int k = 0; k < 2 * kHalf; ++k) out.theta1[k] = arm[k].angle();
+  atan2<2 * kHalf>(y.data(), x.data(), out.theta1.data());
   return out;
 }
 
 void solve_forward(const TwinDeltaGeometry& g, const Vec6& theta1, TwinDeltaForward& out) noexcept {
   out.status = Status::not_finite;
   if (!theta1.allFinite()) return;
-  for (int k = 0; k < 2 * kHalf; ++k) {
-    const double angle = theta1[k];
-    out.cos1[k] = std::cos(angle);
-    out.sin1[k] = std::sin(angle);
-  }
+  const SinCos<2 * kHalf> t = sincos<2 * kHalf>(theta1.data());
+  out.cos1 = Vec6::Map(t.c.data());
+  out.sin1 = Vec6::Map(t.s.data());
   const SphereMeeting upper = meet_forearms(g, out.cos1.data(), out.sin1.data());
   const SphereMeeting lower = meet_forearms(g, out.cos1.data() + kHalf, out.sin1.data() + kHalf);
   out.status = upper.status != Status::ok ? upper.status : lower.status;

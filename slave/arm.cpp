@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/sincos.hpp"
+
 namespace farhand {
 namespace {
 
 constexpr double kSingular = 1e-12;
 
 struct Angle {
-  explicit Angle(double q) noexcept : c(std::cos(q)), s(std::sin(q)) {}
   double c, s;
 };
 
@@ -27,8 +28,10 @@ Vec3 in_S(const Angle& j1, const Local& v) noexcept {
 
 // What pose and Jacobian are both made of: unit vectors, and points counted from the shoulder.
 struct Chain {
-  Chain(const ArmGeometry& g, const Vec6& q) noexcept
-      : j1(q[0]), j2(q[1]), j3(q[2]), j4(q[3]), j5(q[4]), j6(q[5]) {
+  Chain(const ArmGeometry& g, const Vec6& q) noexcept : Chain(g, sincos<6>(q.data())) {}
+  Chain(const ArmGeometry& g, const SinCos<6>& t) noexcept
+      : j1{t.c[0], t.s[0]}, j3{t.c[2], t.s[2]}, j5{t.c[4], t.s[4]}, j6{t.c[5], t.s[5]} {
+    const Angle j2{t.c[1], t.s[1]}, j4{t.c[3], t.s[3]};
     const double c23 = j2.c * j3.c - j2.s * j3.s, s23 = j2.s * j3.c + j2.c * j3.s;
     axis4 = {s23, 0, -c23};
     axis5 = {-j4.s * c23, j4.c, -j4.s * s23};
@@ -40,7 +43,7 @@ struct Chain {
     tool = mix(1, wrist, g.d6, axis6);
   }
 
-  Angle j1, j2, j3, j4, j5, j6;
+  Angle j1, j3, j5, j6;
   Local axis4, axis5, axis6;
   Local swing;  // where joint 5 swings axis 6 to
   Local elbow, wrist, tool;
@@ -62,12 +65,14 @@ Pose tool_pose(const ArmGeometry& g, const Chain& k) noexcept {
 ArmJacobian jacobian(const ArmGeometry& g, const Chain& k) noexcept {
   const double d6s5 = g.d6 * k.j5.s;
   const Local& p = k.tool;
-  ArmJacobian J;
+  using Block = Eigen::Matrix<double, 3, 6>;
+  ArmJacobian J{Block(), Block()};  // every column follows: not zeroed first
   J.linear.col(0) = in_S(k.j1, {p.t, -p.r, 0});
   J.linear.col(1) = in_S(k.j1, {-p.z, 0, p.r});
   J.linear.col(2) = in_S(k.j1, {k.elbow.z - p.z, 0, p.r - k.elbow.r});
   J.linear.col(3) = in_S(k.j1, {d6s5 * k.axis5.r, d6s5 * k.axis5.t, d6s5 * k.axis5.z});
   J.linear.col(4) = in_S(k.j1, {g.d6 * k.swing.r, g.d6 * k.swing.t, g.d6 * k.swing.z});
+  J.linear.col(5).setZero();
   J.angular.col(0) = Vec3::UnitZ();
   J.angular.col(1) = in_S(k.j1, {0, 1, 0});
   J.angular.col(2) = J.angular.col(1);
@@ -81,6 +86,10 @@ ArmJacobian jacobian(const ArmGeometry& g, const Chain& k) noexcept {
 
 Pose forward(const ArmGeometry& g, const Vec6& q) noexcept {
   return tool_pose(g, Chain(g, q));
+}
+
+ArmJacobian jacobian(const ArmGeometry& g, const Vec6& q) noexcept {
+  return jacobian(g, Chain(g, q));
 }
 
 ArmKinematics kinematics(const ArmGeometry& g, const Vec6& q) noexcept {

@@ -70,8 +70,10 @@ struct ArmKinematics {
   double r = 0, cos_q3 = 0, sin_q5 = 0;  // with their signs: the branch
 };
 
-// Tool pose X_SE, to about 7e-16. A non-finite q gives a non-finite pose; kinematics() reports it.
+// Tool pose X_SE, to about 7e-16, and the Jacobian alone. A non-finite q gives non-finite numbers;
+// kinematics() reports it.
 Pose forward(const ArmGeometry& geometry, const Vec6& q) noexcept;
+ArmJacobian jacobian(const ArmGeometry& geometry, const Vec6& q) noexcept;
 ArmKinematics kinematics(const ArmGeometry& geometry, const Vec6& q) noexcept;
 
 // Torques [N m] with which the robot exerts F_E_S (at the tool point, S axes) on what it touches:

@@ -3,6 +3,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common/atan2.hpp"
+#include "common/sincos.hpp"
 #include "slave/arm.hpp"
 
 namespace farhand {
@@ -21,22 +23,18 @@ constexpr double kJustBeyondQuarter = kPi / 2 * (1 + std::numeric_limits<double>
 constexpr double kAboutAsNear =
     1.1;  // past the wrist singularity two rows may be a quarter turn off
 
-// atan2 in (-pi, pi]: a negative zero above the negative half-axis does not count as below it.
-double angle(double y, double x) noexcept {
-  const double q = std::atan2(y, x);
-  return q > -kPi ? q : kPi;
-}
 // q + pi and pi + q alike, in (-pi, pi] for q in [-pi, pi].
 double opposite(double q) noexcept {
-  return q > 0 ? q - kPi : q + kPi;
+  return q + (q > 0 ? -kPi : kPi);
 }
 double wrapped(double q) noexcept {
   const double w = std::remainder(q, 2 * kPi);
   return w > -kPi ? w : kPi;
 }
 double unwrapped(double q, double near) noexcept {
-  const double turns = (near - q) / (2 * kPi);
-  return std::abs(turns) <= 0.5 ? q : q + 2 * kPi * std::rint(turns);
+  constexpr double kRound = 0x1.8p52;  // what is added to it is rounded to whole turns
+  const double turns = (near - q) * (1 / (2 * kPi));
+  return q + 2 * kPi * ((turns + kRound) - kRound);
 }
 
 bool is_rotation(const Mat3& R) noexcept {
@@ -47,8 +45,10 @@ bool is_rotation(const Mat3& R) noexcept {
 }
 
 Status check(const ArmGeometry& g, const Pose& X, const Vec6& q_previous) noexcept {
-  if (!X.p.allFinite() || !X.R.allFinite() || !q_previous.allFinite() ||
-      !std::isfinite(g.d1 + g.a2 + g.d4 + g.d6))
+  // A sum is finite when its terms are, but for those of 1e308.
+  const double sum = X.p.sum() + X.R.sum() + q_previous.sum() + (g.d1 + g.a2 + g.d4 + g.d6);
+  if (!std::isfinite(sum) && !(X.p.allFinite() && X.R.allFinite() && q_previous.allFinite() &&
+                               std::isfinite(g.d1 + g.a2 + g.d4 + g.d6)))
     return Status::not_finite;
   return g.a2 > 0 && g.d4 > 0 && is_rotation(X.R) ? Status::ok : Status::no_solution;
 }
@@ -90,59 +90,79 @@ WristCentre wrist_centre(const ArmGeometry& g, const Pose& X, const Vec6& q_prev
   return w;
 }
 
+// Joints are kept as directions until all are known: their arctangents are then taken together.
 struct Shoulder {
-  double q1, c1, s1;
-  double r;  // signed
+  double x, y;    // the direction of joint 1
+  double c1, s1;  // its cosine and sine
+  double r;       // signed
 };
 Shoulder shoulder(const WristCentre& w, int sign, double q1_previous) noexcept {
-  if (w.r == 0) return {q1_previous, std::cos(q1_previous), std::sin(q1_previous), 0};
+  if (w.r == 0) {
+    const SinCos<1> t = sincos<1>(&q1_previous);
+    return {t.c[0], t.s[0], t.c[0], t.s[0], 0};
+  }
   const double x = sign * w.x, y = sign * w.y;
-  return {angle(y, x), x / w.r, y / w.r, sign * w.r};
+  return {x, y, x / w.r, y / w.r, sign * w.r};
 }
 
 // A stretched or folded elbow stays on its own side by the last bit, so that the next sample, which
 // has only q to go by, finds the branch again.
-double elbow_angle(const WristCentre& w, int sign) noexcept {
-  const double q3 = std::atan2(w.sin_q3, sign * w.cos_q3);
-  return sign > 0 ? q3 : std::copysign(std::max(std::abs(q3), kJustBeyondQuarter), q3);
+double on_own_side(double q3, int elbow) noexcept {
+  return elbow > 0 ? q3 : std::copysign(std::max(std::abs(q3), kJustBeyondQuarter), q3);
 }
 
-struct Plane {
-  double q2, c23, s23;
+struct Direction {
+  Lanes y, x;
 };
-Plane plane(const ArmGeometry& g, const WristCentre& w, double r, int elbow,
+
+// Upper arm and forearm with the elbow on the sides `elbow`, a sign in either lane.
+struct Plane {
+  Direction j2;
+  Lanes c23, s23;
+};
+Plane plane(const ArmGeometry& g, const WristCentre& w, double r, Lanes elbow,
             double q2_previous) noexcept {
-  const double s3 = w.sin_q3, c3 = elbow * w.cos_q3;
-  const double A = g.a2 + g.d4 * s3, B = g.d4 * c3;
-  double x = r * A - w.z * B, y = w.z * A + r * B;
-  double n2 = x * x + y * y;
-  if (!(n2 > 0)) {  // a2 = d4 folded onto the shoulder: any q2
-    x = std::cos(q2_previous), y = std::sin(q2_previous), n2 = 1;
+  const double s3 = w.sin_q3, A = g.a2 + g.d4 * s3;
+  const Lanes c3 = w.cos_q3 * elbow, B = g.d4 * c3;
+  Lanes x = r * A - w.z * B, y = w.z * A + r * B;
+  Lanes n2 = x * x + y * y;
+  if (!(std::min(n2[0], n2[1]) > 0)) {  // a2 = d4 folded onto the shoulder: any q2
+    const SinCos<1> t = sincos<1>(&q2_previous);
+    x = lanes(t.c[0]), y = lanes(t.s[0]), n2 = lanes(1);
   }
-  const double n = 1 / std::sqrt(n2), c2 = x * n, s2 = y * n;
-  return {angle(y, x), c2 * c3 - s2 * s3, s2 * c3 + c2 * s3};
+  const Lanes n = 1 / sqrt(n2), c2 = x * n, s2 = y * n;
+  return {{y, x}, c2 * c3 - s2 * s3, s2 * c3 + c2 * s3};
+}
+
+// Q = R03^T R = Rz(q4) Ry(q5) Rz(q6), the wrist +1. q6 comes from row 2 of Rz(-q4) Q, which has
+// unit length everywhere; here it is as long as h = |sin q5|.
+struct WristDirections {
+  Direction j4, j5, j6;
+  Lanes h;  // 0: axes 4 and 6 in line
+};
+WristDirections wrist_directions(const Mat3& R, const Shoulder& a, const Plane& b,
+                                 double q4_previous) noexcept {
+  const Vec3 radial = a.c1 * R.row(0) + a.s1 * R.row(1);
+  const Vec3 Q2 = a.s1 * R.row(0) - a.c1 * R.row(1);
+  const Lanes Q11 = b.c23 * radial[0] + b.s23 * R(2, 0);
+  const Lanes Q12 = b.c23 * radial[1] + b.s23 * R(2, 1);
+  const Lanes Q13 = b.c23 * radial[2] + b.s23 * R(2, 2);
+  const Lanes Q33 = b.s23 * radial[2] - b.c23 * R(2, 2);
+  const Lanes h2 = Q13 * Q13 + Q2[2] * Q2[2];
+  const LaneBits apart = less(lanes(kInLine * kInLine), h2);
+  Lanes c4 = Q13, s4 = lanes(Q2[2]), h = sqrt(h2);
+  if ((apart[0] & apart[1]) == 0) {
+    const SinCos<1> t = sincos<1>(&q4_previous);
+    c4 = select(apart, c4, lanes(t.c[0])), s4 = select(apart, s4, lanes(t.s[0]));
+    h = select(apart, h, lanes(0));
+  }
+  return {{s4, c4}, {h, Q33}, {c4 * Q2[0] - s4 * Q11, c4 * Q2[1] - s4 * Q12}, h};
 }
 
 struct Wrist {
   double q4, q5, q6;
-  double h;  // |sin q5|; 0: axes 4 and 6 in line
+  double h;
 };
-
-// Q = R03^T R = Rz(q4) Ry(q5) Rz(q6), the wrist +1. q6 comes from row 2 of Rz(-q4) Q, which has
-// unit length everywhere.
-Wrist wrist(const Mat3& R, const Shoulder& a, const Plane& b, double q4_previous) noexcept {
-  const Vec3 radial = a.c1 * R.row(0) + a.s1 * R.row(1);
-  const Vec3 Q2 = a.s1 * R.row(0) - a.c1 * R.row(1);
-  const Vec3 Q1 = b.c23 * radial + b.s23 * R.row(2).transpose();
-  const double Q33 = b.s23 * radial[2] - b.c23 * R(2, 2);
-  const double h2 = Q1[2] * Q1[2] + Q2[2] * Q2[2];
-  const bool in_line = !(h2 > kInLine * kInLine);
-  const double h = in_line ? 0 : std::sqrt(h2);
-  const double q4 = in_line ? q4_previous : angle(Q2[2], Q1[2]);
-  const double c4 = in_line ? std::cos(q4) : Q1[2] / h, s4 = in_line ? std::sin(q4) : Q2[2] / h;
-  return {q4, std::atan2(h, Q33), angle(c4 * Q2[0] - s4 * Q1[0], c4 * Q2[1] - s4 * Q1[1]), h};
-}
-
 Wrist flipped(const Wrist& w) noexcept {
   return w.h > 0 ? Wrist{opposite(w.q4), -w.q5, opposite(w.q6), w.h} : w;
 }
@@ -156,48 +176,70 @@ struct ArmSide {
 };
 // The shoulder and elbow q stands in.
 ArmSide side_of(const ArmGeometry& g, const WristCentre& w, const Vec6& q) noexcept {
-  const double r = g.a2 * std::cos(q[1]) + g.d4 * std::sin(q[1] + q[2]);
-  const double forward = std::abs(r) > kOnAxis ? r : w.x * std::cos(q[0]) + w.y * std::sin(q[0]);
-  return {forward >= 0 ? 1 : -1, std::cos(q[2]) >= 0 ? 1 : -1};
+  const SinCos<2> t = sincos<2>(q.data() + 1);
+  const double r = g.a2 * t.c[0] + g.d4 * (t.s[0] * t.c[1] + t.c[0] * t.s[1]);
+  const bool known = std::abs(r) > kOnAxis;
+  const double forward = known ? r : w.x * std::cos(q[0]) + w.y * std::sin(q[0]);
+  return {forward >= 0 ? 1 : -1, t.c[1] >= 0 ? 1 : -1};
 }
 
-// Unwraps q next to the previous one; the time the wrist joints need to get there.
-double continue_wrist(Vec6& q, const Wrist& w, const Vec6& previous, const Vec6& speed) noexcept {
-  q.tail<3>() << unwrapped(w.q4, previous[3]), unwrapped(w.q5, previous[4]),
-      unwrapped(w.q6, previous[5]);
-  return ((q - previous).tail<3>().array().abs() / speed.tail<3>().array()).maxCoeff();
+// q unwrapped to be next to the previous one, with either wrist, and how long the wrist joints need
+// to get there.
+struct Continuation {
+  Vec6 q;
+  double time;
+};
+Continuation continued(const Vec3& arm, const Wrist& w, const Vec6& previous,
+                       const Vec3& wrist_speed) noexcept {
+  const double q4 = unwrapped(w.q4, previous[3]), q5 = unwrapped(w.q5, previous[4]),
+               q6 = unwrapped(w.q6, previous[5]);
+  Continuation out{.time = std::max({std::abs(q4 - previous[3]) / wrist_speed[0],
+                                     std::abs(q5 - previous[4]) / wrist_speed[1],
+                                     std::abs(q6 - previous[5]) / wrist_speed[2]})};
+  out.q << arm, q4, q5, q6;
+  return out;
 }
 
 bool within(const JointLimits& limits, const Vec6& q) noexcept {
-  return ((q - limits.lower).array() >= -kLimitRounding).all() &&
-         ((limits.upper - q).array() >= -kLimitRounding).all();
+  double spare = q[0] - limits.lower[0];
+  for (int i = 0; i < 6; ++i)
+    spare = std::min({spare, q[i] - limits.lower[i], limits.upper[i] - q[i]});
+  return spare >= -kLimitRounding;
 }
 
 }  // namespace
 
-// By symmetry the arm behind, with the other elbow, repeats the one in front: ten atan2 in all.
+// By symmetry the arm behind, with the other elbow, repeats the one in front, and the other elbow's
+// q3 mirrors this one's: ten arctangents in all.
 ArmInverse inverse_all(const ArmGeometry& g, const Pose& X_SE, const Vec6& q_previous) noexcept {
   const WristCentre w = wrist_centre(g, X_SE, q_previous);
   ArmInverse out{.status = w.status, .miss = w.miss};
   if (w.status != Status::ok) return out;
-  const Shoulder front = shoulder(w, 1, wrapped(q_previous[0]));
-  const double q3_up = elbow_angle(w, 1), q3_down = elbow_angle(w, -1);
-  const auto put = [&](ArmBranch b, double q1, double q2, const Wrist& k) {
-    const double q3 = b.elbow > 0 ? q3_up : q3_down;
-    out.rows[static_cast<std::size_t>(row_of(b))] << q1, q2, q3, k.q4, k.q5, k.q6;
+  const Shoulder front = shoulder(w, 1, q_previous[0]);
+  const Plane p = plane(g, w, front.r, Lanes{1, -1}, q_previous[1]);
+  const WristDirections k = wrist_directions(X_SE.R, front, p, q_previous[3]);
+  const Lanes q13 = atan2(Lanes{front.y, w.sin_q3}, Lanes{front.x, w.cos_q3});
+  const Lanes q2 = atan2(p.j2.y, p.j2.x), q4 = atan2(k.j4.y, k.j4.x);
+  const Lanes q5 = atan2(k.j5.y, k.j5.x), q6 = atan2(k.j6.y, k.j6.x);
+
+  const bool on_axis = w.r == 0;
+  const double q1 = on_axis ? wrapped(q_previous[0]) : q13[0];
+  const double q3_up = q13[1], q3_down = on_own_side(opposite(-q13[1]), -1);
+  const auto put = [&](ArmBranch b, double j1, double j2, const Wrist& j) {
+    const double j3 = b.elbow > 0 ? q3_up : q3_down;
+    out.rows[static_cast<std::size_t>(row_of(b))] << j1, j2, j3, j.q4, j.q5, j.q6;
   };
-  for (const int e : {1, -1}) {
-    const Plane p = plane(g, w, front.r, e, wrapped(q_previous[1]));
-    const Wrist k = wrist(X_SE.R, front, p, wrapped(q_previous[3]));
-    put({1, e, 1}, front.q1, p.q2, k);
-    put({1, e, -1}, front.q1, p.q2, flipped(k));
-    const bool on_axis = w.r == 0;
-    const double q1 = on_axis ? front.q1 : opposite(front.q1);
-    const double q2 = on_axis ? p.q2 : opposite(-p.q2);
-    const Wrist behind = on_axis ? k : carried_behind(k);
-    const int elbow = on_axis ? e : -e;
-    put({-1, elbow, 1}, q1, q2, behind);
-    put({-1, elbow, -1}, q1, q2, flipped(behind));
+  for (const std::size_t lane : {0, 1}) {
+    const int elbow = lane == 0 ? 1 : -1, behind_elbow = on_axis ? elbow : -elbow;
+    const double h = k.h[lane];
+    const Wrist front_wrist{h > 0 ? q4[lane] : wrapped(q_previous[3]), q5[lane], q6[lane], h};
+    const Wrist behind = on_axis ? front_wrist : carried_behind(front_wrist);
+    put({1, elbow, 1}, q1, q2[lane], front_wrist);
+    put({1, elbow, -1}, q1, q2[lane], flipped(front_wrist));
+    const double behind_q1 = on_axis ? q1 : opposite(q1);
+    const double behind_q2 = on_axis ? q2[lane] : opposite(-q2[lane]);
+    put({-1, behind_elbow, 1}, behind_q1, behind_q2, behind);
+    put({-1, behind_elbow, -1}, behind_q1, behind_q2, flipped(behind));
   }
   return out;
 }
@@ -211,16 +253,24 @@ ArmNearest inverse(const ArmGeometry& g, const JointLimits& limits, const Pose& 
 
   const ArmSide side = side_of(g, w, q_previous);
   const Shoulder a = shoulder(w, side.shoulder, q_previous[0]);
-  const Plane p = plane(g, w, a.r, side.elbow, q_previous[1]);
-  const Wrist k = wrist(X_SE.R, a, p, q_previous[3]);
-  Vec6 q, other;
-  q << unwrapped(a.q1, q_previous[0]), unwrapped(p.q2, q_previous[1]),
-      unwrapped(elbow_angle(w, side.elbow), q_previous[2]), 0, 0, 0;
-  other = q;
-  double time = continue_wrist(q, k, q_previous, limits.speed);
-  double other_time = continue_wrist(other, flipped(k), q_previous, limits.speed);
-  if (other_time < time) q.swap(other), std::swap(time, other_time);
-  if (other_time < kAboutAsNear * time && !within(limits, q) && within(limits, other)) q = other;
+  const Plane p = plane(g, w, a.r, lanes(side.elbow), q_previous[1]);
+  const WristDirections d = wrist_directions(X_SE.R, a, p, q_previous[3]);
+  const Lanes q13 = atan2(Lanes{a.y, w.sin_q3}, Lanes{a.x, side.elbow * w.cos_q3});
+  const Lanes q24 = atan2(Lanes{p.j2.y[0], d.j4.y[0]}, Lanes{p.j2.x[0], d.j4.x[0]});
+  const Lanes q56 = atan2(Lanes{d.j5.y[0], d.j6.y[0]}, Lanes{d.j5.x[0], d.j6.x[0]});
+  const double h = d.h[0];
+  const Wrist k{h > 0 ? q24[1] : q_previous[3], q56[0], q56[1], h};
+  const Vec3 arm(unwrapped(w.r > 0 ? q13[0] : q_previous[0], q_previous[0]),
+                 unwrapped(q24[0], q_previous[1]),
+                 unwrapped(on_own_side(q13[1], side.elbow), q_previous[2]));
+  const Vec3 speed = limits.speed.tail<3>();
+  const std::array<Continuation, 2> both{continued(arm, k, q_previous, speed),
+                                         continued(arm, flipped(k), q_previous, speed)};
+  const bool flip = both[1].time < both[0].time;
+  const Continuation &sooner = both[flip], &later = both[!flip];
+  const bool about_as_near = later.time < kAboutAsNear * sooner.time;
+  const bool refused = about_as_near && !within(limits, sooner.q) && within(limits, later.q);
+  const Vec6& q = refused ? later.q : sooner.q;
 
   const bool negative = q[4] < 0 || (q[4] == 0 && q_previous[4] < 0);
   out.branch = {side.shoulder, side.elbow, negative ? -1 : 1};

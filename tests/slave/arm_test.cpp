@@ -81,12 +81,14 @@ TEST(Arm, ForwardIsAccurateToRounding) {
   EXPECT_LT(worst.rotation, 1.5e-15) << "seed " << kSeed;
 }
 
-TEST(Arm, KinematicsAndForwardGiveTheSameBits) {
+TEST(Arm, PoseAndJacobianAloneAreTheSameBitsAsTogether) {
   std::mt19937_64 rng(kSeed);
   for (int n = 0; n < 1000; ++n) {
     const Vec6 q = reference::random_joints(rng);
     const Pose a = forward(kArm, q), b = kinematics(kArm, q).X_SE;
     ASSERT_TRUE(a.R == b.R && a.p == b.p) << "seed " << kSeed;
+    const ArmJacobian J = farhand::jacobian(kArm, q), K = kinematics(kArm, q).J;
+    ASSERT_TRUE(J.linear == K.linear && J.angular == K.angular) << "seed " << kSeed;
   }
 }
 
