@@ -83,12 +83,11 @@ void Table::time(std::vector<Row> rows, std::size_t inputs, F f, double per_call
   const std::string name = add(std::move(rows), per_call, time_of);
   constexpr std::size_t kBatch = 64;
   const std::size_t batch = std::min(kBatch, inputs);
-  prepare(benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) {
-    F work = f;
+  prepare(benchmark::RegisterBenchmark(name.c_str(), [=](benchmark::State& state) mutable {
     std::size_t i = 0;
     while (state.KeepRunningBatch(static_cast<benchmark::IterationCount>(batch))) {
       for (std::size_t n = 0; n < batch; ++n) {
-        benchmark::DoNotOptimize(work(i));
+        benchmark::DoNotOptimize(f(i));
         if (++i == inputs) i = 0;
       }
     }

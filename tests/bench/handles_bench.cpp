@@ -113,8 +113,8 @@ void falcon_inverse(Table& table, const char* set, const std::vector<FalconInput
   const auto add = [&](const char* contender, const char* what, auto solve, double target = kNone) {
     contend(table, {"Falcon inverse", contender, set, what}, inputs, "rad", solve, error, target);
   };
-  add(kOurs, "motor angles",
-      [](const FalconInput& i) { return motor_angles(kFalcon, i.p).theta1; },
+  add(
+      kOurs, "motor angles", [](const FalconInput& i) { return motor_angles(kFalcon, i.p).theta1; },
       std::string_view(set) == "workspace" ? 95 : kNone);
   add("Farhand, all angles", "", [](const FalconInput& i) { return inverse(kFalcon, i.p).theta1; });
   add("law of cosines", "double",
@@ -130,17 +130,18 @@ void falcon_newtons(Table& table, const std::vector<FalconInput>& inputs, const 
   };
   for (const double tolerance : kTolerances) {
     if (std::is_same_v<T, float> && tolerance < 1e-7) break;
-    contend(table, {"Falcon forward", contender, "warm, 0.5 mm away", text(tolerance)}, inputs, "m",
-            [=](const FalconInput& i) {
-              return falcon_newton<T>(kFalcon, i.theta, point<T>(i.previous), T(tolerance));
-            },
-            error);
-    contend(table, {"Falcon forward", contender, "cold, from the middle", text(tolerance)}, inputs,
-            "m",
-            [=](const FalconInput& i) {
-              return falcon_newton<T>(kFalcon, i.theta, {T(0), T(0), T(0.12)}, T(tolerance));
-            },
-            error);
+    contend(
+        table, {"Falcon forward", contender, "warm, 0.5 mm away", text(tolerance)}, inputs, "m",
+        [=](const FalconInput& i) {
+          return falcon_newton<T>(kFalcon, i.theta, point<T>(i.previous), T(tolerance));
+        },
+        error);
+    contend(
+        table, {"Falcon forward", contender, "cold, from the middle", text(tolerance)}, inputs, "m",
+        [=](const FalconInput& i) {
+          return falcon_newton<T>(kFalcon, i.theta, {T(0), T(0), T(0.12)}, T(tolerance));
+        },
+        error);
   }
 }
 
@@ -148,11 +149,12 @@ void falcon_forward(Table& table, const std::vector<FalconInput>& inputs) {
   const auto error = [](const FalconInput& i, const Vec3& p) {
     return falcon_position_error(kFalcon, i.theta, p, i.p);
   };
-  contend(table, {"Falcon forward", kOurs, "warm, 0.5 mm away"}, inputs, "m",
-          [](const FalconInput& i) { return forward(kFalcon, i.theta, i.previous).p_MH; }, error,
-          140);
-  contend(table, {"Falcon forward", kOurs, "cold, from the middle"}, inputs, "m",
-          [](const FalconInput& i) { return forward(kFalcon, i.theta).p_MH; }, error, 330);
+  contend(
+      table, {"Falcon forward", kOurs, "warm, 0.5 mm away"}, inputs, "m",
+      [](const FalconInput& i) { return forward(kFalcon, i.theta, i.previous).p_MH; }, error, 140);
+  contend(
+      table, {"Falcon forward", kOurs, "cold, from the middle"}, inputs, "m",
+      [](const FalconInput& i) { return forward(kFalcon, i.theta).p_MH; }, error, 330);
   falcon_newtons<double>(table, inputs, "Newton, double");
   falcon_newtons<float>(table, inputs, "Newton, float");
 }
@@ -165,7 +167,8 @@ void twin_delta_inverse(Table& table, const std::vector<TwinInput>& inputs) {
     contend(table, {"twin delta inverse", contender, "workspace", what}, inputs, "rad", solve,
             error, target);
   };
-  add(kOurs, "motor angles",
+  add(
+      kOurs, "motor angles",
       [](const TwinInput& i) { return motor_angles(kTwinDelta, i.pose).theta1; }, 160);
   add("Farhand, all angles", "",
       [](const TwinInput& i) { return inverse(kTwinDelta, i.pose).theta1; });
@@ -191,39 +194,41 @@ void twin_delta_plain(Table& table, const std::vector<TwinInput>& inputs, const 
   const auto error = [](const TwinInput& i, const TwinDeltaPose& pose) {
     return twin_delta_position_error(kTwinDelta, i.theta, pose, i.pose);
   };
-  contend(table, {"twin delta forward", "plain spheres", "workspace", precision}, inputs, "m",
-          [](const TwinInput& i) {
-            return grip<T>(twin_delta_spheres<T>(kTwinDelta, i.theta, 0),
-                           twin_delta_spheres<T>(kTwinDelta, i.theta, 1));
-          },
-          error);
+  contend(
+      table, {"twin delta forward", "plain spheres", "workspace", precision}, inputs, "m",
+      [](const TwinInput& i) {
+        return grip<T>(twin_delta_spheres<T>(kTwinDelta, i.theta, 0),
+                       twin_delta_spheres<T>(kTwinDelta, i.theta, 1));
+      },
+      error);
   for (const double tolerance : kTolerances) {
     if (std::is_same_v<T, float> && tolerance < 1e-7) break;
-    contend(table,
-            {"twin delta forward", std::string("Newton, ") + precision, "workspace",
-             text(tolerance)},
-            inputs, "m",
-            [=](const TwinInput& i) {
-              const auto start = ends_in_halves<T>(kTwinDelta, i.previous);
-              const T t = T(tolerance);
-              return grip<T>(twin_delta_newton<T>(kTwinDelta, i.theta, 0, start[0], t),
-                             twin_delta_newton<T>(kTwinDelta, i.theta, 1, start[1], t));
-            },
-            error);
+    contend(
+        table,
+        {"twin delta forward", std::string("Newton, ") + precision, "workspace", text(tolerance)},
+        inputs, "m",
+        [=](const TwinInput& i) {
+          const auto start = ends_in_halves<T>(kTwinDelta, i.previous);
+          const T t = T(tolerance);
+          return grip<T>(twin_delta_newton<T>(kTwinDelta, i.theta, 0, start[0], t),
+                         twin_delta_newton<T>(kTwinDelta, i.theta, 1, start[1], t));
+        },
+        error);
   }
 }
 
 void twin_delta_forward(Table& table, const std::vector<TwinInput>& inputs) {
-  contend(table, {"twin delta forward", kOurs, "workspace"}, inputs, "m",
-          [](const TwinInput& i) {
-            TwinDeltaForward out;
-            solve_forward(kTwinDelta, i.theta, out);
-            return out.pose;
-          },
-          [](const TwinInput& i, const TwinDeltaPose& pose) {
-            return twin_delta_position_error(kTwinDelta, i.theta, pose, i.pose);
-          },
-          130);
+  contend(
+      table, {"twin delta forward", kOurs, "workspace"}, inputs, "m",
+      [](const TwinInput& i) {
+        TwinDeltaForward out;
+        solve_forward(kTwinDelta, i.theta, out);
+        return out.pose;
+      },
+      [](const TwinInput& i, const TwinDeltaPose& pose) {
+        return twin_delta_position_error(kTwinDelta, i.theta, pose, i.pose);
+      },
+      130);
   twin_delta_plain<double>(table, inputs, "double");
   twin_delta_plain<float>(table, inputs, "float");
 }

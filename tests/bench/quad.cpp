@@ -8,8 +8,12 @@ namespace {
 using Point3 = Point<Quad>;
 constexpr double kTolerance = 1e-25;  // [m]
 
-Quad absolute(Quad x) { return x < 0 ? -x : x; }
-double distance(Quad exact, double x) { return static_cast<double>(absolute(exact - Quad(x))); }
+Quad absolute(Quad x) {
+  return x < 0 ? -x : x;
+}
+double distance(Quad exact, double x) {
+  return static_cast<double>(absolute(exact - Quad(x)));
+}
 
 Point3 cross(const Point3& a, const Point3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
