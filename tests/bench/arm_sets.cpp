@@ -40,14 +40,24 @@ bool near_shoulder(Vec6& q, double distance) {
   return true;
 }
 
-ArmSet singular(const std::string& name, Singular put, double distance, std::size_t n) {
+// Both on one side of the shoulder's and of the elbow's singularity.
+bool same_side(const Vec6& a, const Vec6& b) {
+  const ArmKinematics x = kinematics(kArm, a), y = kinematics(kArm, b);
+  return x.r * y.r > 0 && x.cos_q3 * y.cos_q3 > 0;
+}
+
+// Started on the same side of the singularity, or only across the shoulder's.
+ArmSet singular(const std::string& name, Singular put, double distance, std::size_t n,
+                bool across = false) {
   Draw draw;
   char text[40];
-  std::snprintf(text, sizeof text, "%.0e rad from the ", distance);
+  std::snprintf(text, sizeof text, "%.0e rad %s the ", distance, across ? "across" : "from");
   ArmSet set{.name = text + name};
   while (set.targets.size() < n) {
     Vec6 q = draw.joints(kLimits);
-    if (put(q, distance) && within(q)) set.targets.push_back(target(draw, q, 0.01));
+    if (!put(q, distance) || !within(q)) continue;
+    const ArmTarget t = target(draw, q, 0.01);
+    if (same_side(q, t.start) != across) set.targets.push_back(t);
   }
   return set;
 }
@@ -98,6 +108,7 @@ std::vector<std::shared_ptr<const ArmSet>> arm_sets(std::size_t many, std::size_
     add(singular("elbow", near_elbow, distance, few));
     add(singular("shoulder", near_shoulder, distance, few));
   }
+  add(singular("shoulder", near_shoulder, 1e-3, few, true));
   add(unreachable(few));
   const Vec6 wide = Vec6::Constant(0.3);
   add(trajectory("1 kHz trajectory", kTeleopHome, wide, few));

@@ -31,8 +31,9 @@ struct ArmSet {
 };
 
 // `many` uniform configurations, started 0.05 rad per joint away; `few` each: 1e-3, 1e-6 and 1e-9
-// rad from the wrist's, the elbow's and the shoulder's singularity, started 0.01 rad away; out of
-// reach by 1 um to 1 m; a smooth trajectory; one through q5 = 0.
+// rad from the wrist's, the elbow's and the shoulder's singularity, started 0.01 rad away on its
+// own side of the shoulder's and the elbow's; the same across the shoulder's; out of reach by 1 um
+// to 1 m; a smooth trajectory; one through q5 = 0.
 std::vector<std::shared_ptr<const ArmSet>> arm_sets(std::size_t many, std::size_t few);
 
 }  // namespace farhand::bench

@@ -1,7 +1,7 @@
 #include "tests/bench/bench_table.hpp"
 
 #include <algorithm>
-#include <cstdlib>
+#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -104,7 +104,9 @@ std::string Table::add(std::vector<Row> rows, double per_call, const char* time_
   std::string name = l.subject + '|' + l.contender + '|' + l.set + '|' + l.parameter;
   std::replace(name.begin(), name.end(), '/', ' ');  // Google Benchmark splits names there
   timed_.push_back({std::move(rows), per_call, time_of});
-  return std::to_string(timed_.size() - 1) + '|' + name;
+  char number[10];  // in front, so that names sort in order of registration
+  std::snprintf(number, sizeof number, "%04zu|", timed_.size() - 1);
+  return number + name;
 }
 
 void Table::prepare(benchmark::internal::Benchmark* b) const {
@@ -122,11 +124,12 @@ int Table::finish() {
   std::cerr << '\n';
 
   Json rows = Json::array();
-  for (auto& [name, measured] : times.of) {
+  for (const auto& [name, measured] : times.of) {
     const Timed& timed = timed_[std::stoul(name)];
-    for (double& t : measured) t /= timed.per_call;
-    std::sort(measured.begin(), measured.end());
-    for (const Row& row : timed.rows) rows.push_back(to_json(row, measured, timed.time_of));
+    std::vector<double> sorted;
+    for (const double t : measured) sorted.push_back(t / timed.per_call);
+    std::sort(sorted.begin(), sorted.end());
+    for (const Row& row : timed.rows) rows.push_back(to_json(row, sorted, timed.time_of));
   }
   const Json machine = {{"processor", processor()},
                         {"load_before", load_before_},

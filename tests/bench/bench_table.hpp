@@ -5,17 +5,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include <cmath>
+#include <algorithm>
 #include <cstddef>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-namespace farhand::bench {
+#include "tests/bench/result.hpp"
 
-inline constexpr const char* kOurs = "Farhand";  // contenders whose name begins so are ours
-inline constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+namespace farhand::bench {
 
 struct Label {
   std::string subject, contender, set, parameter{};
