@@ -44,34 +44,38 @@ Table acceptance(const std::vector<Result>& all) {
   return t;
 }
 
-Table where_rivals_win(const std::vector<Uncovered>& points) {
-  Table t{.caption = "Where a rival is better: nothing of ours is as fast and as accurate",
+Table where_rivals_win(const std::vector<Better>& better) {
+  Table t{.caption = "Where rivals are better: nothing of ours is as fast and as accurate",
           .blocks = {""},
-          .headings = {"its time", "its error", "our time for it", "our error"}};
-  for (const Uncovered& u : points)
-    t.rows.push_back({joined({u.rival.subject, u.rival.set, u.rival.contender, u.rival.parameter}),
-                      u.rival.unit,
-                      {time_text(u.rival.time_ns), error_text(u.rival.error),
-                       std::isnan(u.our_time_ns) ? "never" : time_text(u.our_time_ns),
-                       error_text(u.our_error)}});
+          .headings = {"points", "fastest", "its error", "ours for it", "our error"}};
+  for (const Better& b : better)
+    t.rows.push_back(
+        {joined({b.fastest.rival.subject, b.fastest.rival.set, b.fastest.rival.contender}),
+         b.fastest.rival.unit,
+         {fmt::format("{} of {}", b.points, b.of), time_text(b.fastest.rival.time_ns),
+          error_text(b.fastest.rival.error), time_text_or_never(b.fastest.our_time_ns),
+          error_text(b.fastest.our_error)}});
   return t;
 }
 
 Table figures(const std::vector<Result>& of_set) {
   const Result& first = of_set.front();
-  Table t{.caption = fmt::format("{}, {}: time of a {}", first.subject, first.set, first.time_of),
+  Table t{.caption = fmt::format("{}: time of a {}, error{}", first.set, first.time_of,
+                                 first.unit.empty() ? "" : " [" + first.unit + "]"),
           .blocks = {""},
-          .headings = {"median", "quartiles", "error", "worst"}};
+          .headings = {"median", "spread", "99 %", "worst"}};
   const bool counted = std::any_of(of_set.begin(), of_set.end(),
                                    [](const Result& r) { return !std::isnan(r.instructions); });
   if (counted) t.headings.push_back("instructions");
   for (const Result& r : of_set) {
+    const double spread = (r.time_high_ns - r.time_low_ns) / 2 / r.time_ns;
     t.rows.push_back({joined({r.contender, r.parameter, r.note}),
-                      r.unit,
-                      {time_text(r.time_ns),
-                       fmt::format("{} .. {}", time_text(r.time_low_ns), time_text(r.time_high_ns)),
+                      "",
+                      {time_text(r.time_ns), fmt::format("\u00b1{:.0f} %", 100 * spread),
                        error_text(r.error), error_text(r.error_worst)}});
-    if (counted) t.rows.back().cells.push_back(fmt::format("{:.0f}", r.instructions));
+    if (counted)
+      t.rows.back().cells.push_back(
+          std::isnan(r.instructions) ? "" : fmt::format("{:.0f}", r.instructions));
   }
   return t;
 }
@@ -106,7 +110,6 @@ std::vector<std::string> contenders_of(const std::vector<Result>& of_subject) {
 Chart pictures(const std::vector<Result>& of_subject) {
   Chart chart{.title = of_subject.front().subject,
               .subtitle = "run time and error, lower left is better",
-              .columns = 2,
               .width = 1100,
               .panel_height = 190};
   const std::vector<std::string> contenders = contenders_of(of_subject);
@@ -114,6 +117,7 @@ Chart pictures(const std::vector<Result>& of_subject) {
     if (Panel panel = picture(only(of_subject, &Result::set, set), contenders);
         !panel.lines.empty())
       chart.panels.push_back(std::move(panel));
+  if (chart.panels.size() > 1) chart.columns = 2;
   return chart;
 }
 
@@ -131,19 +135,23 @@ std::string error_text(double error) {
   return error == 0 ? "0" : fmt::format("{:.1e}", error);
 }
 
+std::string time_text_or_never(double ns) {
+  return std::isnan(ns) ? "never" : time_text(ns);
+}
+
 std::string bench_page(const std::vector<Result>& all, const std::vector<std::string>& facts) {
-  const std::vector<Uncovered> better = uncovered(all);
+  const std::vector<Better> better = where_rivals_are_better(all);
   Page page{.title = "Farhand: run time against error", .facts = facts};
   if (!better.empty())
     page.warnings.push_back(fmt::format(
-        "{} points of rivals lie below our curves: see the second table.", better.size()));
+        "{} curves of rivals lie below ours somewhere: see the second table.", better.size()));
   page.tables = {acceptance(all), where_rivals_win(better)};
   for (const std::string& subject : names(all, &Result::subject)) {
     const std::vector<Result> of_subject = only(all, &Result::subject, subject);
+    ChartRow row{.heading = subject};
     for (const std::string& set : names(of_subject, &Result::set))
-      page.tables.push_back(figures(only(of_subject, &Result::set, set)));
-    ChartRow row{.heading = subject, .charts = {pictures(of_subject)}};
-    if (row.charts[0].panels.empty()) continue;
+      row.tables.push_back(figures(only(of_subject, &Result::set, set)));
+    if (Chart chart = pictures(of_subject); !chart.panels.empty()) row.charts = {std::move(chart)};
     fit_axes(row.charts);
     page.rows.push_back(std::move(row));
   }

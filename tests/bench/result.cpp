@@ -78,6 +78,24 @@ std::vector<Uncovered> uncovered(const std::vector<Result>& all) {
   return out;
 }
 
+std::vector<Better> where_rivals_are_better(const std::vector<Result>& all) {
+  const auto curve = [](const Result& r) { return r.subject + '|' + r.set + '|' + r.contender; };
+  std::vector<Better> out;
+  for (const Uncovered& u : uncovered(all)) {
+    const auto known = std::find_if(out.begin(), out.end(), [&](const Better& b) {
+      return curve(b.fastest.rival) == curve(u.rival);
+    });
+    Better& b = known == out.end() ? out.emplace_back(Better{.fastest = u}) : *known;
+    ++b.points;
+    if (u.rival.time_ns < b.fastest.rival.time_ns) b.fastest = u;
+  }
+  for (Better& b : out)
+    b.of = static_cast<std::size_t>(std::count_if(all.begin(), all.end(), [&](const Result& r) {
+      return curve(r) == curve(b.fastest.rival);
+    }));
+  return out;
+}
+
 Comparison compare(const std::vector<Result>& before, const std::vector<Result>& after) {
   std::map<std::string, const Result*> now;
   for (const Result& r : after) now[r.key()] = &r;

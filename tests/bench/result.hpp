@@ -39,6 +39,13 @@ struct Uncovered {
 };
 std::vector<Uncovered> uncovered(const std::vector<Result>& all);
 
+// The same by curve: how many of a rival's points on a set, and the fastest of them.
+struct Better {
+  Uncovered fastest;
+  std::size_t points = 0, of = 0;
+};
+std::vector<Better> where_rivals_are_better(const std::vector<Result>& all);
+
 struct Change {
   Result before, after;
   double time_ratio = 1;  // after / before, less what the machine changed
