@@ -47,14 +47,16 @@ Table acceptance(const std::vector<Result>& all) {
 Table where_rivals_win(const std::vector<Better>& better) {
   Table t{.caption = "Where rivals are better: nothing of ours is as fast and as accurate",
           .blocks = {""},
-          .headings = {"points", "fastest", "its error", "ours for it", "our error"}};
-  for (const Better& b : better)
+          .headings = {"fastest", "99 %", "worst", "ours for it", "our 99 %", "our worst"}};
+  for (const Better& b : better) {
+    const auto& [rival, our_time, our_error, our_worst] = b.fastest;
     t.rows.push_back(
-        {joined({b.fastest.rival.subject, b.fastest.rival.set, b.fastest.rival.contender}),
-         b.fastest.rival.unit,
-         {fmt::format("{} of {}", b.points, b.of), time_text(b.fastest.rival.time_ns),
-          error_text(b.fastest.rival.error), time_text_or_never(b.fastest.our_time_ns),
-          error_text(b.fastest.our_error)}});
+        {joined({rival.subject, rival.set, rival.contender,
+                 fmt::format("{} of {} points", b.points, b.of)}),
+         rival.unit,
+         {time_text(rival.time_ns), error_text(rival.error), error_text(rival.error_worst),
+          time_text_or_never(our_time), error_text(our_error), error_text(our_worst)}});
+  }
   return t;
 }
 

@@ -36,13 +36,16 @@ void print(const std::vector<Result>& all) {
       std::printf("  %-24s %-28s %9s [%s] %s\n", r.subject.c_str(), r.set.c_str(),
                   time_text(r.time_ns).c_str(), time_text(r.target_ns).c_str(),
                   r.time_ns <= r.target_ns ? "met" : "MISSED");
-  std::puts("where rivals are better: points, the fastest of them, our time for its error");
+  std::puts(
+      "where rivals are better: points; of the fastest time, error and worst; our time for it");
   for (const Better& b : where_rivals_are_better(all)) {
     const Result& r = b.fastest.rival;
-    std::printf("  %-22s %-32s %-25s %2zu of %zu %9s %8s | %9s, ours %s\n", r.subject.c_str(),
-                r.set.c_str(), r.contender.c_str(), b.points, b.of, time_text(r.time_ns).c_str(),
-                error_text(r.error).c_str(), time_text_or_never(b.fastest.our_time_ns).c_str(),
-                error_text(b.fastest.our_error).c_str());
+    std::printf("  %-22s %-32s %-25s %2zu of %zu %9s %8s %8s | %9s, ours %s %s\n",
+                r.subject.c_str(), r.set.c_str(), r.contender.c_str(), b.points, b.of,
+                time_text(r.time_ns).c_str(), error_text(r.error).c_str(),
+                error_text(r.error_worst).c_str(),
+                time_text_or_never(b.fastest.our_time_ns).c_str(),
+                error_text(b.fastest.our_error).c_str(), error_text(b.fastest.our_worst).c_str());
   }
 }
 

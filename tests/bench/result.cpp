@@ -11,7 +11,7 @@ double number(const nlohmann::json& row, const char* name) {
 }
 
 bool as_accurate(const Result& a, const Result& b) {
-  return a.error <= kErrorNoise * b.error;
+  return a.error <= kErrorNoise * b.error && a.error_worst <= kErrorNoise * b.error_worst;
 }
 bool as_fast(const Result& a, const Result& b) {
   return a.time_ns <= (1 + kTimeNoise) * b.time_ns;
@@ -68,9 +68,10 @@ std::vector<Uncovered> uncovered(const std::vector<Result>& all) {
     Uncovered u{.rival = rival};
     bool covered = false;
     for (const Result* our : found->second) {
-      if (!(u.our_error <= our->error)) u.our_error = our->error;
+      u.our_error = std::fmin(u.our_error, our->error);
+      u.our_worst = std::fmin(u.our_worst, our->error_worst);
       if (!std::isnan(rival.error) && !as_accurate(*our, rival)) continue;
-      if (!(u.our_time_ns <= our->time_ns)) u.our_time_ns = our->time_ns;
+      u.our_time_ns = std::fmin(u.our_time_ns, our->time_ns);
       covered = covered || as_fast(*our, rival);
     }
     if (!covered) out.push_back(u);
