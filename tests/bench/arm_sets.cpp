@@ -15,8 +15,8 @@ bool within(const Vec6& q) {
 }
 
 ArmTarget target(Draw& draw, const Vec6& q, double away) {
-  Vec6 start = q;
-  for (double& x : start) x += draw(-away, away);
+  Vec6 start;
+  for (int i = 0; i < 6; ++i) start[i] = q[i] + draw(-away, away);
   return {rounded(quad_arm(kArm, q)), start};
 }
 

@@ -15,7 +15,8 @@ using Json = nlohmann::json;
 constexpr double kLow = 0.25, kHigh = 0.75;
 
 double quantile(const std::vector<double>& sorted, double fraction) {
-  return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1) + 0.5)];
+  return sorted[static_cast<std::size_t>(
+      std::lround(fraction * static_cast<double>(sorted.size() - 1)))];
 }
 
 double load() {

@@ -1,6 +1,7 @@
 #include "tests/bench/quad.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace farhand::bench {
 namespace {
@@ -11,8 +12,13 @@ constexpr double kTolerance = 1e-25;  // [m]
 Quad absolute(Quad x) {
   return x < 0 ? -x : x;
 }
+// Infinite for what is no number: a maximum would lose it.
 double distance(Quad exact, double x) {
-  return static_cast<double>(absolute(exact - Quad(x)));
+  return std::isfinite(x) ? static_cast<double>(absolute(exact - Quad(x))) : INFINITY;
+}
+double turn_between(Quad exact, double x) {
+  const double d = distance(exact, x);
+  return std::isfinite(d) ? std::abs(std::remainder(d, 2 * std::numbers::pi)) : d;
 }
 
 Point3 cross(const Point3& a, const Point3& b) {
@@ -116,6 +122,7 @@ double falcon_position_error(const FalconGeometry& g, const Vec3& theta1, const 
 
 double twin_delta_position_error(const TwinDeltaGeometry& g, const Vec6& theta1,
                                  const TwinDeltaPose& pose, const TwinDeltaPose& near) {
+  if (!pose.p_MH.allFinite() || !pose.axis.allFinite()) return INFINITY;
   const auto start = ends_in_halves<Quad>(g, near), given = ends_in_halves<Quad>(g, pose);
   double worst = 0;
   for (int half = 0; half < 2; ++half) {
@@ -134,7 +141,7 @@ double falcon_angle_error(const FalconGeometry& g, const Vec3& p_MH, const Vec3&
     const auto miss = [&](Quad t) {
       return falcon_closure<Quad>(g, i, cosine<Quad>(t), sine<Quad>(t), point<Quad>(p_MH)).miss;
     };
-    worst = std::max(worst, distance(zero(miss, near[i]), theta1[i]));
+    worst = std::max(worst, turn_between(zero(miss, near[i]), theta1[i]));
   }
   return worst;
 }
@@ -149,7 +156,7 @@ double twin_delta_angle_error(const TwinDeltaGeometry& g, const TwinDeltaPose& p
                                       ends[static_cast<std::size_t>(i / 3)])
           .miss;
     };
-    worst = std::max(worst, distance(zero(miss, near[i]), theta1[i]));
+    worst = std::max(worst, turn_between(zero(miss, near[i]), theta1[i]));
   }
   return worst;
 }
