@@ -89,8 +89,10 @@ int collect(const std::filesystem::path& folder, Json facts,
 
 int compare_files(const std::string& before, const std::string& after) {
   const Comparison c = compare(results(read(before).at("rows")), results(read(after).at("rows")));
-  std::printf("%zu rows; the machine made the rivals' times %.3f of what they were (taken out)\n",
-              c.changes.size(), c.machine);
+  std::printf(
+      "%zu rows; the machine made the rivals' times %.3f of what they were in the median (taken "
+      "out by subject)\n",
+      c.changes.size(), c.machine);
   std::printf("flagged: slower by more than %.0f %% with quartiles apart, or error %.1f times\n",
               100 * kRunNoise, kErrorNoise);
   int flagged = 0;

@@ -102,17 +102,25 @@ Comparison compare(const std::vector<Result>& before, const std::vector<Result>&
   for (const Result& r : after) now[r.key()] = &r;
   Comparison out;
   std::vector<double> rivals;
+  std::map<std::string, std::vector<double>> rivals_of;
   for (const Result& r : before) {
     const auto found = now.find(r.key());
-    if (found == now.end())
+    if (found == now.end()) {
       out.gone.push_back(r.key());
-    else if (!r.ours())
+    } else if (!r.ours()) {
       rivals.push_back(found->second->time_ns / r.time_ns);
+      rivals_of[r.subject].push_back(rivals.back());
+    }
   }
   out.machine = median(rivals);
-  for (const Result& r : before)
-    if (const auto found = now.find(r.key()); found != now.end())
-      out.changes.push_back(change(r, *found->second, out.machine));
+  for (const Result& r : before) {
+    const auto found = now.find(r.key());
+    if (found == now.end()) continue;
+    const auto same_subject = rivals_of.find(r.subject);
+    const double machine =
+        same_subject == rivals_of.end() ? out.machine : median(same_subject->second);
+    out.changes.push_back(change(r, *found->second, machine));
+  }
   return out;
 }
 
