@@ -72,6 +72,11 @@ int collect(const std::filesystem::path& folder, Json facts,
   std::snprintf(load, sizeof load, "load of the machine %.1f to %.1f, ours of 1 included", least,
                 most);
   facts.push_back(load);
+  for (const Json& m : all["machine"])
+    if (m.at("quick").get<bool>()) {
+      facts.push_back("A quick run: few inputs and repetitions, nothing to rely on.");
+      break;
+    }
   if (!all["machine"].empty())
     facts.push_back("processor " + all["machine"][0].at("processor").get<std::string>() + ", g++ " +
                     all["machine"][0].at("compiler").get<std::string>());
