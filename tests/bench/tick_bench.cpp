@@ -86,20 +86,20 @@ void time_ticks(Table& table, const char* subject, const std::string& contender,
              });
 }
 
-constexpr auto master_tick = [](Master& m, const MasterInput& i) -> const MasterTick& {
+constexpr auto kMasterTick = [](Master& m, const MasterInput& i) -> const MasterTick& {
   m.sample(i.now, i.reading, fresh(i.in));
   return m.actuate(i.now, fresh(i.in));
 };
-constexpr auto slave_tick = [](Slave& s, const SlaveInput& i) -> const SlaveTick& {
+constexpr auto kSlaveTick = [](Slave& s, const SlaveInput& i) -> const SlaveTick& {
   return s.tick(i.now, fresh(i.in), i.robot);
 };
 
 void whole_ticks(Table& table, const std::string& name, const Scene& scene) {
   const RecordedTicks all = record_ticks(scene, kFrom + kTicks);
   time_ticks(table, "tick, master", kOurs, name, Master(master_config(scene.proto)),
-             Replay(all.master, kFrom), master_tick);
+             Replay(all.master, kFrom), kMasterTick);
   time_ticks(table, "tick, slave", kOurs, name, Slave(slave_config(scene.proto)),
-             Replay(all.slave, kFrom), slave_tick);
+             Replay(all.slave, kFrom), kSlaveTick);
 }
 
 // The smallest scene's ticks with and without what composes them of optional stages.
@@ -110,12 +110,12 @@ void composition(Table& table) {
   const Replay slave(all.slave, kFrom);
   const MasterConfig m = master_config(scene.proto);
   const SlaveConfig s = slave_config(scene.proto);
-  time_ticks(table, "tick, master", kOurs, "minimal", Master(m), master, master_tick);
+  time_ticks(table, "tick, master", kOurs, "minimal", Master(m), master, kMasterTick);
   time_ticks(table, "tick, master", "straight line", "minimal", StraightMaster<true>(m), master,
              [](auto& side, const MasterInput& i) -> const MasterTick& {
                return side.tick(i.now, i.reading, fresh(i.in));
              });
-  time_ticks(table, "tick, slave", kOurs, "minimal", Slave(s), slave, slave_tick);
+  time_ticks(table, "tick, slave", kOurs, "minimal", Slave(s), slave, kSlaveTick);
   time_ticks(table, "tick, slave", "straight line", "minimal", StraightSlave<true>(s), slave,
              [](auto& side, const SlaveInput& i) -> const SlaveTick& {
                return side.tick(i.now, fresh(i.in), i.robot);
