@@ -1,16 +1,18 @@
 #!/usr/bin/env bash
-# Installs what building needs on Debian 12, and with --tests also what the tests and checks need. Does nothing if all is there.
+# Installs what building needs on Debian 12, with --tests also what the tests and checks need, with --bench also what the
+# benchmarks need. Does nothing if all is there.
 set -euo pipefail
 
 packages=(g++ cmake ninja-build libboost-dev libprotobuf-dev protobuf-compiler libeigen3-dev libspdlog-dev libcli11-dev
           libzstd-dev zlib1g-dev)
-if [[ "${1:-}" == --tests ]]; then
+if [[ "${1:-}" == --tests || "${1:-}" == --bench ]]; then
   # MuJoCo and KDL serve as independent oracles; MuJoCo's CMake files ask for qhull and OpenGL.
   packages+=(libgtest-dev nlohmann-json3-dev libmujoco-dev libqhull-dev libgl-dev liborocos-kdl-dev valgrind
              clang clang-format clang-tidy libclang-rt-14-dev llvm-14)
   # Another reader of recordings, in JavaScript; node from elsewhere will do.
   command -v node >/dev/null && command -v npm >/dev/null || packages+=(nodejs npm)
 fi
+[[ "${1:-}" == --bench ]] && packages+=(libbenchmark-dev)
 
 missing=()
 for package in "${packages[@]}"; do

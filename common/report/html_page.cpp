@@ -79,6 +79,13 @@ void put_table(std::string& out, const Table& t) {
   out += "</tbody></table></div>\n";
 }
 
+void put_tables(std::string& out, const std::vector<Table>& tables) {
+  const bool narrow = tables.empty() || tables.front().blocks.size() <= 2;
+  out += narrow ? "<div class=\"tables narrow\">\n" : "<div class=\"tables\">\n";
+  for (const Table& table : tables) put_table(out, table);
+  out += "</div>\n";
+}
+
 void put_charts(std::string& out, const ChartRow& row) {
   const int width = row.charts.empty() ? 640 : row.charts.front().width;
   out += fmt::format("<section><h2>{}</h2>\n<p class=\"about\">{}</p>\n", escape(row.heading),
@@ -90,7 +97,9 @@ void put_charts(std::string& out, const ChartRow& row) {
   for (const Chart& chart : row.charts)
     out +=
         fmt::format("<figure style=\"max-width:{}px\">{}</figure>\n", width * 11 / 10, svg(chart));
-  out += "</div></section>\n";
+  out += "</div>\n";
+  if (!row.tables.empty()) put_tables(out, row.tables);
+  out += "</section>\n";
 }
 
 void put_paragraphs(std::string& out, const char* css_class,
@@ -109,10 +118,8 @@ std::string html(const Page& page) {
       escape(page.title), chart_style(), kPageStyle);
   put_paragraphs(out, "facts", page.facts);
   put_paragraphs(out, "warning", page.warnings);
-  const bool narrow = page.tables.empty() || page.tables.front().blocks.size() <= 2;
-  out += narrow ? "<div class=\"tables narrow\">\n" : "<div class=\"tables\">\n";
-  for (const Table& table : page.tables) put_table(out, table);
-  out += "</div>\n" + page.before_charts;
+  put_tables(out, page.tables);
+  out += page.before_charts;
   for (const ChartRow& row : page.rows) put_charts(out, row);
   return out + "</body>\n</html>\n";
 }

@@ -27,6 +27,7 @@ struct ChartRow {
   std::string heading;
   std::string explanation;
   std::vector<Chart> charts;  // fitted
+  std::vector<Table> tables;  // below the charts
 };
 
 struct Page {

@@ -18,7 +18,9 @@
 #include <vector>
 
 #include "common/program.hpp"
-#include "tests/loop/loopback.hpp"
+#include "master/build.hpp"
+#include "slave/build.hpp"
+#include "tests/loop/recorded_ticks.hpp"
 #include "tests/loop/straight_ticks.hpp"
 
 namespace farhand {
@@ -34,42 +36,6 @@ namespace {
 #if !defined(FARHAND_NO_COUNT) && !defined(__OPTIMIZE__)
 #define FARHAND_NO_COUNT "this build is not optimised"
 #endif
-
-struct MasterInput {
-  TimePoint now;
-  HandleReading reading;
-  SlaveToMaster in;
-};
-struct SlaveInput {
-  TimePoint now;
-  MasterToSlave in;
-  RobotReading robot;
-};
-
-// What both sides' ticks were given in a virtual run, from the first answer on.
-struct Recorded {
-  std::vector<MasterInput> master;
-  std::vector<SlaveInput> slave;
-};
-
-Recorded record(const Scene& scene, std::size_t ticks) {
-  Recorded out;
-  MasterToSlave sent;
-  Loopback loop(scene, {});
-  loop.on_master = [&](const MasterTick& t) {
-    sent = t.out;
-    if (t.age < Duration::max()) out.master.push_back({t.now, t.reading, t.in});
-  };
-  loop.on_slave = [&](const SlaveTick& t) { out.slave.push_back({t.now, sent, t.robot}); };
-  while (out.master.size() < ticks && loop.now() < loop.end())
-    loop.run_until(loop.now() + std::chrono::milliseconds(100));
-  return out;
-}
-
-template <typename Message>
-Peer<Message> fresh(const Message& message) {
-  return {.newest = &message, .connected = true, .age = Duration(0)};
-}
 
 template <typename Input, typename Tick>
 void count(const std::vector<Input>& inputs, std::size_t from, std::size_t ticks, Tick&& tick) {
@@ -101,7 +67,7 @@ bool same(const SlaveTick& a, const SlaveTick& b) {
          a.out.coupled == b.out.coupled && a.limits == b.limits && a.inverse == b.inverse;
 }
 
-bool same_bits(const MasterConfig& m, const SlaveConfig& s, const Recorded& recorded) {
+bool same_bits(const MasterConfig& m, const SlaveConfig& s, const RecordedTicks& recorded) {
   Master master(m);
   StraightMaster<true> straight_master(m);
   bool equal = true;
@@ -138,7 +104,7 @@ class RecordedTicks {
 };
 
 int run(const std::string& part, const Scene& scene, std::size_t from, std::size_t ticks) {
-  const Recorded recorded = record(scene, from + ticks);
+  const RecordedTicks recorded = record_ticks(scene, from + ticks);
   const MasterConfig m = master_config(scene.proto);
   const SlaveConfig s = slave_config(scene.proto);
   const auto master_line = [&](auto side) {

@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
-#include <numbers>
 
 #include "tests/support/arm_reference.hpp"
+#include "tests/support/kdl_arm.hpp"
 
 namespace farhand {
 namespace {
@@ -14,19 +14,8 @@ namespace {
 constexpr unsigned kSeed = 7102;
 const ArmGeometry kArm;
 
-KDL::Chain kdl_chain() {
-  const double quarter = std::numbers::pi / 2;
-  const double a[6] = {0, kArm.a2, 0, 0, 0, 0}, d[6] = {kArm.d1, 0, 0, kArm.d4, 0, kArm.d6};
-  const double alpha[6] = {quarter, 0, quarter, -quarter, quarter, 0};
-  KDL::Chain chain;
-  for (int i = 0; i < 6; ++i)
-    chain.addSegment(
-        KDL::Segment(KDL::Joint(KDL::Joint::RotZ), KDL::Frame::DH(a[i], alpha[i], d[i], 0)));
-  return chain;
-}
-
 TEST(ArmOracle, PoseAndJacobianAgreeWithKdl) {
-  const KDL::Chain chain = kdl_chain();
+  const KDL::Chain chain = kdl_chain(kArm);
   KDL::ChainFkSolverPos_recursive fk(chain);
   KDL::ChainJntToJacSolver jac(chain);
   std::mt19937_64 rng(kSeed);
