@@ -89,7 +89,7 @@ bool same_bits(const MasterConfig& m, const SlaveConfig& s, const RecordedTicks&
 
 // What the loops do with a tick, without the thread at the other end.
 template <typename Record>
-class RecordedTicks {
+class HandOver {
  public:
   template <typename Tick>
   void add(const Tick& tick) {
@@ -117,16 +117,16 @@ int run(const std::string& part, const Scene& scene, std::size_t from, std::size
   };
   if (part == "recorded-master") {
     Master master(m);
-    RecordedTicks<MasterRecord> recorded_ticks;
+    HandOver<MasterRecord> queue;
     count(recorded.master, from, ticks, [&](const MasterInput& i) {
       master.sample(i.now, i.reading, fresh(i.in));
-      recorded_ticks.add(master.actuate(i.now, fresh(i.in)));
+      queue.add(master.actuate(i.now, fresh(i.in)));
     });
   } else if (part == "recorded-slave") {
     Slave slave(s);
-    RecordedTicks<SlaveRecord> recorded_ticks;
+    HandOver<SlaveRecord> queue;
     count(recorded.slave, from, ticks, [&](const SlaveInput& i) {
-      recorded_ticks.add(slave.tick(i.now, fresh(i.in), i.robot));
+      queue.add(slave.tick(i.now, fresh(i.in), i.robot));
     });
   } else if (part == "master") {
     Master master(m);
