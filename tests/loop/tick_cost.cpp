@@ -125,9 +125,8 @@ int run(const std::string& part, const Scene& scene, std::size_t from, std::size
   } else if (part == "recorded-slave") {
     Slave slave(s);
     HandOver<SlaveRecord> queue;
-    count(recorded.slave, from, ticks, [&](const SlaveInput& i) {
-      queue.add(slave.tick(i.now, fresh(i.in), i.robot));
-    });
+    count(recorded.slave, from, ticks,
+          [&](const SlaveInput& i) { queue.add(slave.tick(i.now, fresh(i.in), i.robot)); });
   } else if (part == "master") {
     Master master(m);
     count(recorded.master, from, ticks, [&](const MasterInput& i) {
