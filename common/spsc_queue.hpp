@@ -29,15 +29,6 @@ class SpscQueue {
     head_.store(head_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
 
-  // Producer. False, and nothing stored, when full.
-  bool push(const T& value) noexcept {
-    T* to = slot();
-    if (to == nullptr) return false;
-    *to = value;
-    commit();
-    return true;
-  }
-
   // Consumer. The oldest element, or nullptr when empty; stays valid until pop().
   const T* front() noexcept {
     const std::size_t tail = tail_.load(std::memory_order_relaxed);
