@@ -17,6 +17,7 @@ constexpr double kLastStep = 1e-9;  // [m]; convergence is quadratic, what remai
 // l^2 / L or less, and another makes that l / L times as much, until it is below kRounding.
 constexpr double kSmallStep = 5e-6;  // [m]
 constexpr double kRounding = 1e-17;  // [m]
+constexpr int kMaxChords = 3;        // near a singularity rounding alone may exceed that for ever
 constexpr double kMinDetN = 0.1;     // reference section 2.4
 constexpr double kMinAbsSin = 0.1;
 
@@ -130,11 +131,12 @@ FalconForward search(const FalconGeometry& g, FalconForward at) noexcept {
     at.p_MH += n.step;
     if (length >= kLastStep && length < kSmallStep && n.working) {
       const double with_bars_of = length;
-      do {
+      for (int k = 0; k < kMaxChords; ++k) {
         const Vec3 step = chord(g, at, n.bars);
         at.p_MH += step;
         length = step.norm();
-      } while (length < kLastStep && length * length > kRounding * with_bars_of);
+        if (length >= kLastStep || length * length <= kRounding * with_bars_of) break;
+      }
       ++at.iterations;
     }
     if (length >= kLastStep) continue;
