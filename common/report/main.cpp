@@ -57,12 +57,12 @@ int main(int argc, char** argv) {
   std::string output;
   bool json = false;
   app.add_option("recording", files,
-                 "files written with --record; a master's and a slave's of one run become one")
-      ->required();
+                 "files written with --record; a master's and a slave's of one run become one");
   app.add_option("-o,--output", output, "the page, report.html unless --json");
   app.add_flag("--json", json, "the figures as JSON to stdout, SI units; a page only with -o");
   try {
     app.parse(argc, argv);
+    if (files.empty()) throw CLI::RequiredError("recording");  // after a wrong flag is named
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : kUsageError;
   }
