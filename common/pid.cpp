@@ -5,6 +5,16 @@
 #include <numbers>
 
 namespace farhand {
+namespace {
+
+// The integral may grow for weeks by steps far below its last digit.
+void add(PidState& s, double dI) noexcept {
+  const double rest = dI - s.I_lost, sum = s.I + rest;
+  s.I_lost = (sum - s.I) - rest;
+  s.I = sum;
+}
+
+}  // namespace
 
 double low_pass_gain(double cutoff_hz, double Ts) noexcept {
   return cutoff_hz > 0 ? -std::expm1(-2 * std::numbers::pi * cutoff_hz * Ts) : 1.0;
@@ -29,7 +39,7 @@ double step(const Pid& pid, PidState& s, double r, double y, double feedforward)
   const double dI = pid.half_ki_Ts * (e + s.e);
   const double raw = pid.kp * e + (s.I + dI) + s.D + feedforward;
   s.saturated = std::abs(raw) > pid.limit;
-  if (!((raw > pid.limit && dI > 0) || (raw < -pid.limit && dI < 0))) s.I += dI;
+  if (!((raw > pid.limit && dI > 0) || (raw < -pid.limit && dI < 0))) add(s, dI);
   s.e = e;
   s.y = y;
   const double u = pid.kp * e + s.I + s.D + feedforward;

@@ -1,7 +1,7 @@
 // Discrete PID (Falcon publication eq. 12-15; reference section 4). With e = r - y and sample time
 // Ts, the integral by Tustin and the derivative by backward difference:
 //
-//   I(k) = I(k-1) + ki Ts/2 (e(k) + e(k-1))
+//   I(k) = I(k-1) + ki Ts/2 (e(k) + e(k-1))   summed with its rounding carried along (Kahan)
 //   D(k) = kd (e(k) - e(k-1)) / Ts          on the error, or  -kd (y(k) - y(k-1)) / Ts  on the
 //   measurement,
 //                                           then an optional one-pole low-pass, D += (1 - exp(-2 pi
@@ -46,6 +46,7 @@ struct PidState {
   double e = 0;  // of the last sample
   double y = 0;
   double I = 0;
+  double I_lost = 0;  // what rounding took from I
   double D = 0;
 };
 

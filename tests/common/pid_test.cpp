@@ -122,6 +122,20 @@ TEST(Pid, IntegralStopsAtTheLimitAndLeavesItAtOnce) {
   EXPECT_FALSE(s.saturated);
 }
 
+// Each is too small to change a plain sum at all.
+TEST(Pid, IntegralOfVerySmallStepsKeepsTheirSum) {
+  const Pid pid = make_pid({.ki = 1}, 0.001);
+  PidState s;
+  step(pid, s, 1, 0);
+  s.I = 1;
+  s.I_lost = 0;
+  constexpr int kSteps = 1000000;
+  const double small = 0x1p-53 / 1.5;
+  s.e = small * 1000;
+  for (int k = 0; k < kSteps; ++k) step(pid, s, small * 1000, 0);
+  EXPECT_NEAR(s.I - 1, kSteps * small, 1e-15);
+}
+
 TEST(Pid, FeedforwardSharesTheLimit) {
   const Pid pid = make_pid({.kp = 1, .limit = 3}, 0.01);
   PidState s;
