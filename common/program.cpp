@@ -3,43 +3,30 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <random>
 
 #include "common/address.hpp"
+#include "common/arguments.hpp"
 #include "common/realtime.hpp"
 
 namespace farhand {
 namespace {
 
-constexpr int kUsageError = 2;
-
-void add_options(CLI::App& app, ProgramOptions& options, bool is_master) {
-  app.add_option("scene", options.scene, "scene file, see deploy/scenes")->required();
-  app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
-  app.add_flag("--check", options.check, "check the scene and exit");
-  app.add_flag("--quiet", options.quiet, "no live status line");
-  add_duration_option(app, options.duration_s, "stop after so many seconds");
-  app.add_option("--record", options.record, "record every tick into this MCAP file");
-  app.add_option("--listen", options.listen, "host:port to listen on, instead of the scene's");
+void add_options(Arguments& arguments, ProgramOptions& options, bool is_master) {
+  arguments.option("scene", options.scene, "scene file, see deploy/scenes");
+  arguments.flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
+  arguments.flag("--check", options.check, "check the scene and exit");
+  arguments.flag("--quiet", options.quiet, "no live status line");
+  arguments.duration(options.duration_s, "stop after so many seconds");
+  arguments.option("--record", options.record, "record every tick into this MCAP file");
+  arguments.option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
-  app.add_option("--slave", options.slave, "host:port of the slave, instead of the scene's");
-  app.add_option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
-}
-
-// Empty if good, as the argument parser wants it.
-std::string check_duration(const std::string& text) {
-  double seconds = 0;
-  if (CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 1e7) return "";
-  return "'" + text + "' is not a number of seconds from 0.001 to 1e7";
+  arguments.option("--slave", options.slave, "host:port of the slave, instead of the scene's");
+  arguments.option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
 }
 
 }  // namespace
-
-void add_duration_option(CLI::App& app, double& seconds, const std::string& help) {
-  app.add_option("--duration", seconds, help)->type_name("SECONDS")->check(check_duration);
-}
 
 int run_guarded(const std::string& name, const std::function<int()>& body) {
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
@@ -56,14 +43,11 @@ int run_guarded(const std::string& name, const std::function<int()>& body) {
 
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
                 const std::function<int(const ProgramOptions&)>& body) {
-  CLI::App app(description, name);
+  Arguments arguments(description, name);
   ProgramOptions options;
-  add_options(app, options, name == "farhand-master");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kUsageError;
-  }
+  add_options(arguments, options, name == "farhand-master");
+  const auto missing = [&] { return options.scene.empty() ? "scene" : ""; };
+  if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   catch_stop_signals();
   return run_guarded(name, [&] { return body(options); });
 }

@@ -13,10 +13,6 @@
 #include "common/time.hpp"
 #include "common/udp.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace farhand {
 
 inline constexpr int kLoopPriority = 80;  // SCHED_FIFO, below the kernel's own threads
@@ -55,9 +51,6 @@ void require_slave(const Scene& scene);
 
 // Throws with a sentence if a flag gives an address although the scene has nobody to talk to.
 void refuse_addresses(const ProgramOptions& options, const Scene& scene);
-
-// --duration; refuses what is no number of seconds from a millisecond to a few months.
-void add_duration_option(CLI::App& app, double& seconds, const std::string& help);
 
 // The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this
 // machine and the scene does not say insecure.

@@ -1,10 +1,10 @@
 // farhand-report RUN.mcap... [-o report.html] [--json]
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
 
+#include "common/arguments.hpp"
 #include "common/program.hpp"
 #include "common/report/merge.hpp"
 #include "common/report/report.hpp"
@@ -12,7 +12,6 @@
 
 namespace {
 
-constexpr int kUsageError = 2;
 constexpr std::size_t kMostRuns = 4;
 
 // A bar on a terminal; nothing in a pipe.
@@ -52,19 +51,16 @@ int report(const std::vector<std::string>& files, const std::string& output, boo
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("One page about recorded runs: figures and charts", "farhand-report");
+  farhand::Arguments arguments("One page about recorded runs: figures and charts",
+                               "farhand-report");
   std::vector<std::string> files;
   std::string output;
   bool json = false;
-  app.add_option("recording", files,
-                 "files written with --record; a master's and a slave's of one run become one");
-  app.add_option("-o,--output", output, "the page, report.html unless --json");
-  app.add_flag("--json", json, "the figures as JSON to stdout, SI units; a page only with -o");
-  try {
-    app.parse(argc, argv);
-    if (files.empty()) throw CLI::RequiredError("recording");  // after a wrong flag is named
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : kUsageError;
-  }
+  arguments.option("recording", files,
+                   "files written with --record; a master's and a slave's of one run become one");
+  arguments.option("-o,--output", output, "the page, report.html unless --json");
+  arguments.flag("--json", json, "the figures as JSON to stdout, SI units; a page only with -o");
+  const auto missing = [&] { return files.empty() ? "recording" : ""; };
+  if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   return farhand::run_guarded("farhand-report", [&] { return report(files, output, json); });
 }

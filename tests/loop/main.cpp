@@ -1,9 +1,9 @@
 // farhand-loopback: master and slave of one scene in one process, in virtual time, far faster than
 // real. Exit status 0 if no checker fired, 1 after an error or a violation, 2 for arguments that
 // make no sense.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "common/arguments.hpp"
 #include "common/build_info.hpp"
 #include "common/program.hpp"
 #include "tests/loop/replay.hpp"
@@ -11,27 +11,26 @@
 
 int main(int argc, char** argv) {
   using namespace farhand;
-  CLI::App app("both sides of a scene in one process, in virtual time", "farhand-loopback");
+  Arguments arguments("both sides of a scene in one process, in virtual time", "farhand-loopback");
   ProgramOptions options;
   LoopbackOptions loop;
   std::string replay;
   bool json = false;
-  auto* scene_file = app.add_option("scene", options.scene, "scene file, see deploy/scenes");
-  app.add_option("--replay", replay,
-                 "the hand moves as in this recording; without a scene in the one attached to it");
-  app.add_option("--record", options.record, "record both sides into this MCAP file");
-  app.add_option("--trace", loop.trace, "recorded motion (CSV) for the simulated hand");
-  app.add_option("--seed", loop.seed, "instead of the scene's seed");
-  add_duration_option(app, options.duration_s, "simulated seconds, instead of the scene's");
-  app.add_flag("--json", json, "print the result as JSON");
-  app.add_flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
-  app.add_flag("--check", options.check, "check the scene and exit");
-  try {
-    app.parse(argc, argv);
-    if (replay.empty() && scene_file->empty()) throw CLI::RequiredError("scene or --replay");
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  arguments.option("scene", options.scene, "scene file, see deploy/scenes");
+  arguments.option(
+      "--replay", replay,
+      "the hand moves as in this recording; without a scene in the one attached to it");
+  arguments.option("--record", options.record, "record both sides into this MCAP file");
+  arguments.option("--trace", loop.trace, "recorded motion (CSV) for the simulated hand");
+  arguments.option("--seed", loop.seed, "instead of the scene's seed");
+  arguments.duration(options.duration_s, "simulated seconds, instead of the scene's");
+  arguments.flag("--json", json, "print the result as JSON");
+  arguments.flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
+  arguments.flag("--check", options.check, "check the scene and exit");
+  const auto missing = [&] {
+    return replay.empty() && options.scene.empty() ? "scene or --replay" : "";
+  };
+  if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   if (options.duration_s > 0) loop.duration_s = options.duration_s;
   return run_guarded("farhand-loopback", [&] {
     const Scene scene =
