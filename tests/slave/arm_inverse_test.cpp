@@ -29,7 +29,7 @@ void eight_rows(const golden::Json& v, golden::Checker& check) {
   const ArmInverse all = inverse_all(kArm, target(v["in"]), kTeleopHome);
   ASSERT_EQ(all.status, Status::ok) << check.where();
   for (const auto& s : v["out"]["solutions"])
-    check.angles("q", row(all, branch(s, s["wrist"])), s["q"], v["tol"]);
+    check.angles("q", row(all, branch(s, s["wrist"].get<int>())), s["q"], v["tol"]);
 }
 
 void wrist_in_line(const golden::Json& v, golden::Checker& check) {
@@ -54,8 +54,8 @@ void wrist_in_line(const golden::Json& v, golden::Checker& check) {
 
 void unreachable(const golden::Json& v, golden::Checker& check) {
   const ArmInverse all = inverse_all(kArm, target(v["in"]), kTeleopHome);
-  EXPECT_EQ(all.status, v["out"]["reason"] == "too_far" ? Status::too_far : Status::too_close)
-      << check.where();
+  const bool far = v["out"]["reason"].get<std::string>() == "too_far";
+  EXPECT_EQ(all.status, far ? Status::too_far : Status::too_close) << check.where();
   EXPECT_GT(all.miss, 0) << check.where();
   const ArmNearest nearest = inverse(kArm, kLimits, target(v["in"]), kTeleopHome);
   EXPECT_EQ(nearest.status, all.status) << check.where();

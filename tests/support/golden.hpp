@@ -3,49 +3,59 @@
 // pi; a kind nobody handles is a failure.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <Eigen/Core>
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
+#include <concepts>
 #include <functional>
 #include <map>
-#include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace farhand::golden {
 
-using Json = nlohmann::json;
+// A value of the file. What is not there, or of another type, throws and names it. Its own type,
+// since a JSON library's header takes every test that sees it ten seconds to compile.
+class Json {
+ public:
+  const Json& at(const std::string& key) const;
+  const Json& operator[](const char* key) const { return at(key); }
+  template <std::integral Index>
+  const Json& operator[](Index i) const {
+    return items_.at(static_cast<std::size_t>(i));
+  }
+  auto begin() const { return items_.begin(); }
+  auto end() const { return items_.end(); }
 
-inline Json load(const std::string& name) {
-  const char* dir = std::getenv("FARHAND_GOLDEN_DIR");
-  const std::string path =
-      (dir != nullptr ? std::string(dir) : std::string(FARHAND_SOURCE_DIR "/tests/golden")) + "/" +
-      name + ".json";
-  std::ifstream in(path);
-  if (!in) throw std::runtime_error("cannot open golden file " + path);
-  return Json::parse(in);
-}
+  bool contains(const std::string& key) const { return members_.count(key) > 0; }
+  bool is_null() const { return kind_ == Kind::null; }
+  bool is_array() const { return kind_ == Kind::array; }
+  operator double()
+      const;  // NOLINT(google-explicit-constructor): a vector's members read as numbers
+  operator std::vector<int>() const;  // NOLINT(google-explicit-constructor)
+  template <typename T>
+  T get() const {
+    if constexpr (std::is_same_v<T, std::string>)
+      return text();
+    else
+      return static_cast<T>(static_cast<double>(*this));
+  }
 
-// A JSON array of numbers (nested rows are flattened row by row) as one column.
-inline Eigen::VectorXd column(const Json& j) {
-  std::vector<double> flat;
-  const std::function<void(const Json&)> add = [&](const Json& x) {
-    if (x.is_array()) {
-      for (const auto& y : x) add(y);
-    } else {
-      flat.push_back(x.get<double>());
-    }
-  };
-  add(j);
-  return Eigen::Map<Eigen::VectorXd>(flat.data(), static_cast<Eigen::Index>(flat.size()));
-}
+ private:
+  friend struct Reader;
+  enum class Kind { null, number, text, array, object };
+  const std::string& text() const;
 
-// Rows of a matrix one after the other, to compare with column() of a nested JSON array.
+  Kind kind_ = Kind::null;
+  double number_ = 0;  // of a truth value 0 or 1
+  std::string text_;
+  std::vector<Json> items_;
+  std::map<std::string, std::size_t> members_;  // of an object: which item
+};
+
+// An array of numbers (nested rows are flattened row by row), or one number, as one column.
+Eigen::VectorXd column(const Json& j);
+
+// Rows of a matrix one after the other, to compare with column() of a nested array.
 template <typename Derived>
 Eigen::VectorXd rows(const Eigen::MatrixBase<Derived>& m) {
   Eigen::VectorXd out(m.size());
@@ -58,32 +68,15 @@ Eigen::VectorXd rows(const Eigen::MatrixBase<Derived>& m) {
 class Checker {
  public:
   explicit Checker(std::string file) : file_(std::move(file)) {}
-  ~Checker() {
-    for (const auto& [kind, k] : kinds_)
-      std::printf("golden %s/%s: %d vectors, worst error/tolerance %.3g\n", file_.c_str(),
-                  kind.c_str(), k.vectors, k.worst);
-  }
+  ~Checker();
   Checker(const Checker&) = delete;
   Checker& operator=(const Checker&) = delete;
 
-  void begin(const Json& vector) {
-    kind_ = vector.at("kind").get<std::string>();
-    where_ = file_ + " id " + vector.at("id").dump() + " (" + kind_ + ", " +
-             vector.at("tag").get<std::string>() + ")";
-    ++kinds_[kind_].vectors;
-  }
-  void values(const char* what, const Eigen::VectorXd& x, const Json& ref, double tol) {
-    compare(what, x, column(ref), tol, false);
-  }
-  void angles(const char* what, const Eigen::VectorXd& x, const Json& ref, double tol) {
-    compare(what, x, column(ref), tol, true);
-  }
-  void value(const char* what, double x, const Json& ref, double tol) {
-    compare(what, Eigen::VectorXd::Constant(1, x), column(ref), tol, false);
-  }
-  void angle(const char* what, double x, const Json& ref, double tol) {
-    compare(what, Eigen::VectorXd::Constant(1, x), column(ref), tol, true);
-  }
+  void begin(const Json& vector);
+  void values(const char* what, const Eigen::VectorXd& x, const Json& ref, double tol);
+  void angles(const char* what, const Eigen::VectorXd& x, const Json& ref, double tol);
+  void value(const char* what, double x, const Json& ref, double tol);
+  void angle(const char* what, double x, const Json& ref, double tol);
   const std::string& where() const { return where_; }
 
  private:
@@ -92,18 +85,7 @@ class Checker {
     double worst = 0;
   };
   void compare(const char* what, const Eigen::VectorXd& x, const Eigen::VectorXd& ref, double tol,
-               bool modulo) {
-    ASSERT_EQ(x.size(), ref.size()) << where_ << " " << what;
-    double error = 0;
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      const double d = modulo ? std::remainder(x[i] - ref[i], 2 * std::numbers::pi) : x[i] - ref[i];
-      error = std::isfinite(d) ? std::max(error, std::abs(d)) : INFINITY;
-    }
-    const double ratio = error / (tol * std::max(1.0, ref.cwiseAbs().maxCoeff()));
-    kinds_[kind_].worst = std::max(kinds_[kind_].worst, ratio);
-    EXPECT_LE(ratio, 1.0) << where_ << " " << what << ": " << x.transpose() << " instead of "
-                          << ref.transpose();
-  }
+               bool modulo);
 
   std::string file_, kind_, where_;
   std::map<std::string, Kind> kinds_;
@@ -113,22 +95,7 @@ using Handlers = std::map<std::string, std::function<void(const Json& vector, Ch
 
 // Runs every vector of the file through the handler of its kind. `elsewhere` names kinds another
 // test program handles.
-inline void run(const std::string& file, const Handlers& handlers,
-                const std::vector<std::string>& elsewhere = {}) {
-  const Json all = load(file);
-  Checker check(file);
-  for (const auto& v : all.at("vectors")) {
-    const auto kind = v.at("kind").get<std::string>();
-    if (std::find(elsewhere.begin(), elsewhere.end(), kind) != elsewhere.end()) continue;
-    const auto handler = handlers.find(kind);
-    if (handler == handlers.end()) {
-      ADD_FAILURE() << file << ": no test covers the kind '" << kind << "' (id " << v.at("id")
-                    << ")";
-      continue;
-    }
-    check.begin(v);
-    handler->second(v, check);
-  }
-}
+void run(const std::string& file, const Handlers& handlers,
+         const std::vector<std::string>& elsewhere = {});
 
 }  // namespace farhand::golden
