@@ -123,11 +123,12 @@ struct ArmInverse {
 ArmInverse inverse_all(const ArmGeometry& geometry, const Pose& X_SE,
                        const Vec6& q_previous) noexcept;
 
-// The configuration that continues the motion from q_previous. Shoulder and elbow stay those of
-// q_previous; of the two wrists the one sooner reached at full speed is taken, so q5 passes through
-// 0 without a half turn of q4 and q6. (Where |r| of q_previous is rounding, below 5e-16 m, its sign
-// says nothing and the shoulder with the nearer q1 is taken.) Angles are unwrapped to be within
-// half a turn of q_previous.
+// The configuration that continues the motion from q_previous. The elbow stays that of q_previous,
+// and so does the shoulder, unless the wrist centre is within 25 mm of axis 1 before and after:
+// there the shoulder with the nearer q1 is taken, so that the wrist passes over the axis without a
+// half turn of q1. Of the two wrists the one sooner reached at full speed is taken, so q5 passes
+// through 0 without a half turn of q4 and q6. Angles are unwrapped to be within half a turn of
+// q_previous.
 //
 // Status as inverse_all, and out_of_limits: a continuation outside the limits is refused, never
 // replaced by a leap to another turn or wrist (only by the other wrist when that is within a tenth

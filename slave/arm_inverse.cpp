@@ -17,6 +17,7 @@ constexpr double kRotationTolerance = 1e-9;  // on the six conditions of a rotat
 // but the rounding of the pose: following it would turn joints at random for no gain in accuracy.
 constexpr double kOnAxis = 5e-16;         // [m]
 constexpr double kInLine = 2e-15;         // [rad]
+constexpr double kPassing = 0.025;        // [m] from axis 1, many ticks of fast motion
 constexpr double kLimitRounding = 1e-12;  // [rad]
 constexpr double kJustBeyondQuarter = kPi / 2 * (1 + std::numeric_limits<double>::epsilon());
 
@@ -174,12 +175,13 @@ Wrist carried_behind(const Wrist& w) noexcept {
 struct ArmSide {
   int shoulder, elbow;
 };
-// The shoulder and elbow q stands in.
+// The shoulder and elbow q stands in; where the wrist centre passes close by axis 1, the shoulder
+// that turns joint 1 by less than a quarter.
 ArmSide side_of(const ArmGeometry& g, const WristCentre& w, const Vec6& q) noexcept {
   const SinCos<2> t = sincos<2>(q.data() + 1);
   const double r = g.a2 * t.c[0] + g.d4 * (t.s[0] * t.c[1] + t.c[0] * t.s[1]);
-  const bool known = std::abs(r) > kOnAxis;
-  const double forward = known ? r : w.x * std::cos(q[0]) + w.y * std::sin(q[0]);
+  const bool passing = std::abs(r) < kPassing && w.r < kPassing;
+  const double forward = passing ? w.x * std::cos(q[0]) + w.y * std::sin(q[0]) : r;
   return {forward >= 0 ? 1 : -1, t.c[1] >= 0 ? 1 : -1};
 }
 

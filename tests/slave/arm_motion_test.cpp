@@ -118,6 +118,29 @@ TEST(ArmMotion, KeepsShoulderElbowAndWristInMotion) {
   }
 }
 
+// The wrist centre passes over axis 1, or a little beside the middle of a sample, 0.8 mm at a time,
+// while joint 1 turns on slowly. On the axis itself joint 1 waits for a sample.
+TEST(ArmMotion, PassesOverTheShoulderWithoutAHalfTurn) {
+  constexpr double kTurn = 1e-4;
+  Vec6 over;
+  over << 1.2, 0, 0.6, 0.3, 0.7, -0.2;
+  over[1] =
+      std::atan2(kArm.d4 * std::cos(over[2]), kArm.a2 + kArm.d4 * std::sin(over[2])) + kPi / 2;
+  for (const double beside : {0.0, 1e-9, 1e-6, 1e-4}) {
+    const auto at = [&](int k) -> Vec6 {
+      return over + (Vec6() << kTurn * k, -2e-3 * k + beside, 0, 0, 0, 0).finished();
+    };
+    Vec6 q = at(-100);
+    for (int k = -99; k <= 100; ++k) {
+      const ArmNearest n = inverse(kArm, kLimits, forward(kArm, at(k)), q);
+      ASSERT_EQ(n.status, Status::ok) << beside << " rad beside, sample " << k;
+      ASSERT_LT((n.q - at(k)).cwiseAbs().maxCoeff(), beside + k == 0 ? 1.5 * kTurn : 1e-6)
+          << beside << " rad beside, sample " << k;
+      q = n.q;
+    }
+  }
+}
+
 TEST(ArmMotion, UnwrapsTheLastJointUpToItsLimitAndThenHolds) {
   Vec6 q = kTeleopHome, target = q;
   for (int k = 0; k <= 500; ++k) {
