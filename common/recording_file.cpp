@@ -103,6 +103,11 @@ RecordingFile::RecordingFile(const std::string& path, const Scene& scene,
   writer_.add_attachment(kSceneAttachment, "text/plain", scene.text);
 }
 
+void RecordingFile::add_metadata(const std::string& name,
+                                 const std::map<std::string, std::string>& map) {
+  writer_.add_metadata(name, map);
+}
+
 std::uint16_t RecordingFile::channel(const std::string& topic,
                                      const google::protobuf::Descriptor& type) {
   constexpr const char* kEncoding = "protobuf";

@@ -42,6 +42,8 @@ class RecordingFile {
   RecordingFile(const std::string& path, const Scene& scene, const RecordingAbout& about,
                 const std::vector<std::string>& inputs = {});
 
+  // What else a reader should know. Before the first message.
+  void add_metadata(const std::string& name, const std::map<std::string, std::string>& map);
   // A channel, the same one when asked again. All channels before the first message.
   std::uint16_t channel(const std::string& topic, const google::protobuf::Descriptor& type);
   void write(std::uint16_t channel, TimePoint now, const google::protobuf::Message& message);

@@ -27,7 +27,7 @@ int main(int argc, char** argv) {
         std::optional<SlaveRecording> recording;
         if (options.record) {
           file.emplace(*options.record, scene, about_program("slave", build_info()));
-          recording.emplace(*file, slave.config().workspace.R_SM);
+          recording.emplace(*file, slave.config());
         }
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) {

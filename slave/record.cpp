@@ -1,5 +1,7 @@
 #include "slave/record.hpp"
 
+#include <spdlog/fmt/fmt.h>
+
 #include "common/record_fields.hpp"
 #include "proto/foxglove.pb.h"
 
@@ -35,6 +37,10 @@ void fill_tick(record::SlaveRecord& to, const SlaveTick& from) {
   to.set_limits(from.limits);
 }
 
+std::string numbers(const Vec6& v) {
+  return fmt::format("{}", fmt::join(v, " "));
+}
+
 }  // namespace
 
 void fill(record::SlaveRecord& to, const SlaveRecord& from) {
@@ -44,13 +50,19 @@ void fill(record::SlaveRecord& to, const SlaveRecord& from) {
   set_link(to, from.link);
 }
 
-SlaveRecording::SlaveRecording(RecordingFile& file, const Mat3& R_SM)
+SlaveRecording::SlaveRecording(RecordingFile& file, const SlaveConfig& slave)
     : file_(file),
-      X_SM_{R_SM, Vec3::Zero()},
+      X_SM_{slave.workspace.R_SM, Vec3::Zero()},
       ticks_(file.channel(kSlaveTopic, *record::SlaveRecord::descriptor())),
       pose_(file.channel("/robot/pose", *foxglove::PoseInFrame::descriptor())),
       target_(file.channel("/robot/target", *foxglove::PoseInFrame::descriptor())),
-      transforms_(file.channel("/tf", *foxglove::FrameTransform::descriptor())) {}
+      transforms_(file.channel("/tf", *foxglove::FrameTransform::descriptor())) {
+  Vec6 torque;
+  for (int i = 0; i < 6; ++i) torque[i] = slave.model.links[i].torque_limit;
+  file.add_metadata(kRobotMetadata, {{"q_lower_rad", numbers(slave.joints.lower)},
+                                     {"q_upper_rad", numbers(slave.joints.upper)},
+                                     {"joint_torque_nm", numbers(torque)}});
+}
 
 void SlaveRecording::add(const SlaveRecord& r) {
   const SlaveTick& t = r.tick;

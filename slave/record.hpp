@@ -9,14 +9,16 @@
 namespace farhand {
 
 inline constexpr const char* kSlaveTopic = "/slave";
+// Metadata: q_lower_rad, q_upper_rad, joint_torque_nm; of all joints, with spaces between.
+inline constexpr const char* kRobotMetadata = "robot";
 
 // Fills an empty message.
 void fill(record::SlaveRecord& to, const SlaveRecord& from);
 
 class SlaveRecording {
  public:
-  // Adds its channels; the file is borrowed. R_SM turns the handle's axes into the robot's.
-  SlaveRecording(RecordingFile& file, const Mat3& R_SM);
+  // Adds its channels, and the robot's limits as metadata; the file is borrowed.
+  SlaveRecording(RecordingFile& file, const SlaveConfig& slave);
   void add(const SlaveRecord& record);
 
  private:

@@ -66,6 +66,7 @@ std::vector<RunView> views(const std::vector<RunData>& runs,
     RunView view{runs[i], t_end > 0 ? t_end : 1, width, runs.size() > 1 ? names[i] : ""};
     const double pixel = view.t_end / width;
     view.limits = limits_of(runs[i]);
+    view.joints = joint_ranges(runs[i]);
     view.contact = contact(runs[i], pixel);
     view.strips = strips(view, pixel);
     out.push_back(std::move(view));

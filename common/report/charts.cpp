@@ -1,9 +1,9 @@
 #include "common/report/charts.hpp"
 
 #include <algorithm>
+#include <sstream>
 
 #include "common/scene.hpp"
-#include "slave/build.hpp"
 
 namespace farhand {
 namespace {
@@ -52,16 +52,21 @@ std::vector<Chart> draw_all(const Kind& kind, const std::vector<RunView>& views)
   return charts;
 }
 
+bool read_numbers(const std::map<std::string, std::string>& from, const char* key, Vec6& to) {
+  const auto text = from.find(key);
+  if (text == from.end()) return false;
+  std::istringstream in(text->second);
+  for (double& x : to) in >> x;
+  return !in.fail();
+}
+
 }  // namespace
 
 std::optional<RunLimits> limits_of(const RunData& run) {
   if (run.scene_text.empty()) return std::nullopt;
   try {
     const proto::Scene scene = parse_scene(run.scene_text, run.scene_path).proto;
-    const SlaveConfig slave = slave_config(scene);
-    RunLimits limits{.q_lower = slave.joints.lower, .q_upper = slave.joints.upper};
-    for (int i = 0; i < 6; ++i)
-      limits.joint_torque[i] = slave.model.links[static_cast<std::size_t>(i)].torque_limit;
+    RunLimits limits;
     const proto::Master& master = scene.master();
     limits.motor_torque = master.has_falcon() ? master.falcon().max_motor_torque_newton_meter()
                                               : master.twin_delta().max_motor_torque_newton_meter();
@@ -71,6 +76,16 @@ std::optional<RunLimits> limits_of(const RunData& run) {
   } catch (const SceneError&) {
     return std::nullopt;  // of another version: the charts do without
   }
+}
+
+std::optional<JointRanges> joint_ranges(const RunData& run) {
+  const auto robot = run.metadata.find("robot");
+  if (robot == run.metadata.end()) return std::nullopt;  // the slave's file is not here
+  JointRanges out;
+  const bool whole = read_numbers(robot->second, "q_lower_rad", out.q_lower) &&
+                     read_numbers(robot->second, "q_upper_rad", out.q_upper) &&
+                     read_numbers(robot->second, "joint_torque_nm", out.torque);
+  return whole ? std::optional(out) : std::nullopt;
 }
 
 std::vector<ChartRow> chart_rows(const std::vector<RunView>& views) {

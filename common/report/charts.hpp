@@ -11,15 +11,20 @@
 
 namespace farhand {
 
-// Limits that the recorded scene and the robot's model set; none if the scene cannot be read.
+// Limits that the recorded scene sets; none if it cannot be read.
 struct RunLimits {
-  Vec6 q_lower, q_upper;    // [rad]
-  Vec6 joint_torque;        // [N m]
   double motor_torque = 0;  // of the handle [N m]
   double max_force = 0;     // on the hand [N]; 0 without force feedback
   double period_s = 0;
 };
 std::optional<RunLimits> limits_of(const RunData& run);
+
+// The robot's, as its slave recorded them.
+struct JointRanges {
+  Vec6 q_lower, q_upper;  // [rad]
+  Vec6 torque;            // [N m]
+};
+std::optional<JointRanges> joint_ranges(const RunData& run);
 
 // A run as it is drawn: over which time, how wide, under which name.
 struct RunView {
@@ -28,6 +33,7 @@ struct RunView {
   int width = 640;   // [px], of a chart
   std::string name;  // empty if there is only one run
   std::optional<RunLimits> limits;
+  std::optional<JointRanges> joints;
   std::vector<Strip> strips;
   std::vector<Span> contact;
 };

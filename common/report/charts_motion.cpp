@@ -154,9 +154,9 @@ Chart joint_angles(const RunView& view) {
   std::vector<JointLines> lines;
   if (s) lines = {{&s->q, "joint", 0}, {&s->q_command, "command", 1}};
   Chart c = joint_chart(view, "Joint angles", "q", "deg", s, lines, kDegrees, kLeastDeg);
-  for (int i = 0; view.limits && i < 6; ++i)
-    c.panels[static_cast<std::size_t>(i)].levels = {view.limits->q_lower[i] * kDegrees,
-                                                    view.limits->q_upper[i] * kDegrees};
+  for (int i = 0; view.joints && i < 6; ++i)
+    c.panels[static_cast<std::size_t>(i)].levels = {view.joints->q_lower[i] * kDegrees,
+                                                    view.joints->q_upper[i] * kDegrees};
   return c;
 }
 
@@ -165,8 +165,8 @@ Chart joint_torques(const RunView& view) {
   std::vector<JointLines> lines;
   if (s) lines = {{&s->tau, "commanded", 0}};
   Chart c = joint_chart(view, "Joint torques", "\u03c4", "N m", s, lines, 1, 0.1);
-  for (int i = 0; view.limits && i < 6; ++i)
-    add_torque_limit(c.panels[static_cast<std::size_t>(i)], view.limits->joint_torque[i]);
+  for (int i = 0; view.joints && i < 6; ++i)
+    add_torque_limit(c.panels[static_cast<std::size_t>(i)], view.joints->torque[i]);
   return c;
 }
 

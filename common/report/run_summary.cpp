@@ -239,11 +239,22 @@ SummaryGroup mode_group(const std::vector<RunData>& runs) {
   return g.group;
 }
 
+// As the recordings name them, so that a file of another version keeps its meaning.
+std::map<int, std::string> limit_names(const std::vector<RunData>& runs) {
+  std::map<int, std::string> names;
+  for (const RunData& run : runs) {
+    const auto own = run.metadata.find("limits");
+    if (own == run.metadata.end()) continue;
+    for (const auto& [bit, name] : own->second) names.emplace(std::atoi(bit.c_str()), name);
+  }
+  std::erase_if(names, [](const auto& item) { return item.first < 0 || item.first > 31; });
+  return names;
+}
+
 SummaryGroup limit_group(const std::vector<RunData>& runs) {
   GroupBuilder g = sides(runs, "Ticks in which a limit acted");
-  for (int bit = 0; bit < kLimitCount; ++bit)
-    g.row({std::string("limited_") + limit_name(bit) + "_ticks", limit_name(bit), "", 1, 0},
-          of_sides([bit](const SideData& d) {
+  for (const auto& [bit, name] : limit_names(runs))
+    g.row({"limited_" + name + "_ticks", name, "", 1, 0}, of_sides([bit = bit](const SideData& d) {
             return static_cast<double>(
                 std::count_if(d.limits.begin(), d.limits.end(),
                               [bit](LimitSet s) { return ((s >> bit) & 1u) != 0; }));

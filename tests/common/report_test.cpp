@@ -82,10 +82,22 @@ TEST(Report, LimitsComeFromTheRecordedScene) {
   EXPECT_FALSE(limits_of(run).has_value());
   run.scene_text = contact_scene();
   ASSERT_TRUE(limits_of(run).has_value());
-  EXPECT_EQ(limits_of(run)->joint_torque[0], 60);
   EXPECT_EQ(limits_of(run)->period_s, 1e-3);
   run.scene_text = "rate_hz: nonsense";
   EXPECT_FALSE(limits_of(run).has_value());
+}
+
+TEST(Report, RangesOfTheJointsComeFromTheSlavesRecording) {
+  RunData run = synthetic_loopback({});
+  EXPECT_FALSE(joint_ranges(run).has_value());
+  run.metadata["robot"] = {{"q_lower_rad", "-1 -2 -3 -4 -5 -6.5"},
+                           {"q_upper_rad", "1 2 3 4 5 6.5"},
+                           {"joint_torque_nm", "60 60 40 15 15 8"}};
+  ASSERT_TRUE(joint_ranges(run).has_value());
+  EXPECT_EQ(joint_ranges(run)->q_lower[5], -6.5);
+  EXPECT_EQ(joint_ranges(run)->torque[2], 40);
+  run.metadata["robot"]["q_upper_rad"] = "1 2 3";
+  EXPECT_FALSE(joint_ranges(run).has_value());
 }
 
 TEST(Report, AShortRunHasAPage) {

@@ -76,7 +76,7 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options, Recordin
   std::optional<SlaveRecording> slave_recording;
   if (file != nullptr) master_recording.emplace(*file, scene.proto);
   if (file != nullptr && loop.slave() != nullptr)
-    slave_recording.emplace(*file, loop.slave()->config().workspace.R_SM);
+    slave_recording.emplace(*file, loop.slave()->config());
   Vec3 p_MH = Vec3::Zero();  // as measured last
   Checkers checkers(loop);
   Digest digest;

@@ -130,6 +130,7 @@ inline RunData synthetic_loopback(const SyntheticRun& run) {
   RunData out = synthetic_master(run);
   out.role = "loopback";
   out.slave = synthetic_slave(run).slave;
+  out.metadata["limits"] = {{"1", "force"}, {"2", "slew"}};
   return out;
 }
 
