@@ -47,7 +47,10 @@ void Master::count_presses() noexcept {
 
 const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
   tick_.age = slave.age;
-  if (slave.newest != nullptr) tick_.in = *slave.newest;
+  if (slave.newest != nullptr) {
+    tick_.slave_mode = slave.newest->mode;
+    tick_.coupled = slave.newest->coupled;
+  }
   if (!force_ && !position_) return tick_;
 
   Vec6 tau = Vec6::Zero();

@@ -43,8 +43,9 @@ struct MasterTick {
   HandlePose handle;
   Mode mode = Mode::idle;
   MasterToSlave out;
-  SlaveToMaster in;                // the newest when acting; defaults before the first
-  Duration age = Duration::max();  // of `in`
+  Duration age = Duration::max();  // of the slave's message acted upon; max before the first
+  Mode slave_mode = Mode::idle;    // as that message says, and
+  bool coupled = false;            // whether the robot follows the handle
   Wrench F_env_G;                  // robot on environment in handle axes, as compensated
   Wrench F_G;                      // commanded: handle on hand
   Vec6 tau = Vec6::Zero();         // written to the device [N m]

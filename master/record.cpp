@@ -41,8 +41,8 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
   append(to.mutable_tau_nm(), std::span(from.tau.data(), static_cast<std::size_t>(motors)));
   if (from.position_controlled) append(to.mutable_target_position_m_m(), from.p_MH_target);
   to.set_limits(from.limits);
-  to.set_slave_mode(static_cast<record::Mode>(from.in.mode));
-  to.set_coupled(from.in.coupled);
+  to.set_slave_mode(static_cast<record::Mode>(from.slave_mode));
+  to.set_coupled(from.coupled);
 }
 
 }  // namespace

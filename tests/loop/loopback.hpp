@@ -50,6 +50,10 @@ class Loopback {
   const AnyRobot* robot() const noexcept { return slave_ ? &slave_->robot : nullptr; }
   const Master& master() const noexcept { return master_; }
   const Slave* slave() const noexcept { return slave_ ? &slave_->slave : nullptr; }
+  // The newest message the master has; nullptr before the first.
+  const SlaveToMaster* heard() const noexcept {
+    return link_.newest() != nullptr ? &link_.newest()->message : nullptr;
+  }
   const LinkCounters& master_link() const noexcept { return link_.counters(); }
   const LinkCounters* slave_link() const noexcept {
     return slave_ ? &slave_->link.counters() : nullptr;

@@ -101,7 +101,7 @@ void run_both_sides(Figures& figures) {
   MasterLink master_link({.session = 1, .scene_hash = scene.shared_hash});
   UdpSocket master_socket(here, slave_socket.local());
   Recorder<MasterRecord> master_recorder([&](const MasterRecord& r) {
-    count(figures.master, r, r.tick.in.coupled, r.tick.F_G.force.norm() > 1);
+    count(figures.master, r, r.tick.coupled, r.tick.F_G.force.norm() > 1);
   });
   MasterLoopConfig master_times = master_loop_config(scene.proto);
   master_times.lost = kNever;

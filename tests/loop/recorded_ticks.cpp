@@ -10,7 +10,7 @@ RecordedTicks record_ticks(const Scene& scene, std::size_t ticks) {
   Loopback loop(scene, {});
   loop.on_master = [&](const MasterTick& t) {
     sent = t.out;
-    if (t.age < Duration::max()) out.master.push_back({t.now, t.reading, t.in});
+    if (t.age < Duration::max()) out.master.push_back({t.now, t.reading, *loop.heard()});
   };
   loop.on_slave = [&](const SlaveTick& t) { out.slave.push_back({t.now, sent, t.robot}); };
   while (out.master.size() < ticks && loop.now() < loop.end())

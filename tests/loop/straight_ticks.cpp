@@ -40,7 +40,10 @@ const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleRea
     record.reading = reading;
     handle.status = at.status;
     record.mode = out.mode;
-    if (slave.newest != nullptr) record.in = *slave.newest;
+    if (slave.newest != nullptr) {
+      record.slave_mode = slave.newest->mode;
+      record.coupled = slave.newest->coupled;
+    }
     record.age = slave.age;
     record.limits = kLimitNone;
   }

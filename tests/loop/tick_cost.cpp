@@ -48,13 +48,13 @@ void count(const std::vector<Input>& inputs, std::size_t from, std::size_t ticks
 
 bool same(const MasterTick& a, const MasterTick& b) {
   const auto bits = [](const MasterTick& t) {
-    return (Eigen::Matrix<double, 34, 1>() << t.out.p_MH, t.out.q_MH.coeffs(), t.out.V_MH.linear,
-            t.out.V_MH.angular, t.reading.theta, t.handle.X_MH.p, t.handle.R_MG.reshaped(),
-            t.in.p_SE)
+    return (Eigen::Matrix<double, 31, 1>() << t.out.p_MH, t.out.q_MH.coeffs(), t.out.V_MH.linear,
+            t.out.V_MH.angular, t.reading.theta, t.handle.X_MH.p, t.handle.R_MG.reshaped())
         .finished();
   };
   return bits(a) == bits(b) && a.out.mode == b.out.mode && a.mode == b.mode &&
-         a.out.dead_man_presses == b.out.dead_man_presses && a.age == b.age;
+         a.out.dead_man_presses == b.out.dead_man_presses && a.age == b.age &&
+         a.slave_mode == b.slave_mode && a.coupled == b.coupled;
 }
 
 bool same(const SlaveTick& a, const SlaveTick& b) {
