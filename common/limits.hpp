@@ -14,12 +14,13 @@ namespace farhand {
 // these stops anything.
 enum Limit : std::uint32_t {
   kLimitNone = 0,
-  kLimitNotFinite = 1u << 0,   // a command was not finite and was replaced by the stated fallback
-  kLimitForce = 1u << 1,       // clamped at the largest force or torque
-  kLimitSlew = 1u << 2,        // its change was clamped
-  kLimitWorkspace = 1u << 3,   // target unreachable or out of joint limits: last joint command held
-  kLimitSpeed = 1u << 4,       // tool or joint speed clamped: the robot follows later
-  kLimitStale = 1u << 5,       // input too old: held, then faded
+  kLimitNotFinite = 1u << 0,  // a command was not finite and was replaced by the stated fallback
+  kLimitForce = 1u << 1,      // clamped at the largest force or torque
+  kLimitSlew = 1u << 2,       // its change was clamped
+  kLimitWorkspace = 1u << 3,  // target unreachable or out of joint limits: last joint command held,
+                              // or sliding along the boundary
+  kLimitSpeed = 1u << 4,      // tool or joint speed clamped: the robot follows later
+  kLimitStale = 1u << 5,      // input too old: held, then faded
   kLimitAcceptance = 1u << 6,  // handle outside its accepted workspace: no force
   kLimitSaturated = 1u << 7,   // a controller's integral was stopped by its output limit
 };

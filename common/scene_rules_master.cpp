@@ -64,9 +64,13 @@ void master_rules(Rules& r) {
   rule<M>(
       r, "force_feedback",
       [](const Scene& s, const M& m) {
-        return m.has_force_feedback() && !s.slave().has_force_sensing();
+        return m.has_force_feedback() && !m.has_guidance() && !s.slave().has_force_sensing() &&
+               !s.slave().has_boundary();
       },
       "has no force to reflect", "add force_sensing {} to the slave, or remove force_feedback");
+  rule<M>(
+      r, "guidance", [](const M& m) { return m.has_guidance() && !m.has_force_feedback(); },
+      "is felt through force_feedback, which is missing", "add force_feedback {}");
   below_half_the_rate<M>(r, "velocity_cutoff_hz");
 
   using F = proto::ForceFeedback;
@@ -77,6 +81,28 @@ void master_rules(Rules& r) {
       "shorten hold_ms and fade_ms, or raise link.lost_ms");
   not_on_falcon<F>(r, {"max_torque_newton_meter", "max_twist_torque_newton_meter",
                        "max_torque_rate_newton_meter_per_s"});
+}
+
+constexpr double kGravity = 9.81;
+
+void guidance_rules(Rules& r) {
+  using G = proto::Guidance;
+  rule<G>(
+      r, "", [](const G& g) { return g.fixture_size() == 0 && !g.has_handle_limits(); },
+      "guides nothing", "add fixture { ... } or handle_limits {}");
+  using F = proto::Fixture;
+  rule<F>(
+      r, "", [](const F& f) { return f.shape_case() == F::SHAPE_NOT_SET; }, "has no shape",
+      "add plane { ... }, axis { ... } or sphere { ... }");
+  rule<proto::FixturePlane>(
+      r, "normal", [](const proto::FixturePlane& p) { return norm(p.normal()) < 1e-6; },
+      "has no length", "give the direction to the free side, such as [1, 0, 0]");
+  rule<proto::FixtureAxis>(
+      r, "direction", [](const proto::FixtureAxis& a) { return norm(a.direction()) < 1e-6; },
+      "has no length", "give the direction of the line, such as [1, 0, 0]");
+  not_on_falcon<proto::Workspace>(r, {"rotation_lock"});
+  using B = proto::Boundary;
+  not_on_falcon<B>(r, {"max_torque_newton_meter", "max_torque_rate_newton_meter_per_s"});
 }
 
 void position_control_rules(Rules& r) {
@@ -93,6 +119,30 @@ void position_control_rules(Rules& r) {
       },
       "times the tick period exceeds the moving mass, so the handle would vibrate",
       "give at most the moving mass times rate_hz");
+  // Braking above the safe speed is a damper; half of where it becomes unstable, as above.
+  rule<P>(
+      r, "max_speed_m_per_s",
+      [](const Scene& s, const P& p) {
+        return p.has_max_speed_m_per_s() && s.master().has_sim_hand() &&
+               p.max_force_newton() - kGravity * p.gravity_mass_kg() >
+                   p.max_speed_m_per_s() * s.master().sim_hand().device_mass_kg() * s.rate_hz();
+      },
+      "is so low that braking to it would make the handle vibrate",
+      "raise it, lower max_force_newton, or raise the scene's rate_hz");
+  rule<P>(
+      r, "max_force_newton",
+      [](const P& p) {
+        return p.has_max_speed_m_per_s() && p.max_force_newton() <= kGravity * p.gravity_mass_kg();
+      },
+      "does not exceed the weight, so nothing is left to move the grip at max_speed_m_per_s",
+      "raise it, or lower gravity_mass_kg");
+  rule<P>(
+      r, "park", [](const P& p) { return p.has_park() && !p.has_max_speed_m_per_s(); },
+      "would send the grip there with all its force", "add max_speed_m_per_s");
+  rule<P>(
+      r, "max_force_rate_newton_per_s",
+      [](const P& p) { return p.has_max_force_rate_newton_per_s() && !p.has_max_speed_m_per_s(); },
+      "acts only in safe motion", "add max_speed_m_per_s, or remove it");
   each<P>(
       r, "set_point",
       [](const P& p, int i) { return i > 0 && p.set_point(i).at_s() <= p.set_point(i - 1).at_s(); },
@@ -226,6 +276,7 @@ void motion_rules(Rules& r) {
 void add_master_rules(SceneRules& rules) {
   scene_rules(rules);
   master_rules(rules);
+  guidance_rules(rules);
   position_control_rules(rules);
   hand_rules(rules);
   motion_rules(rules);

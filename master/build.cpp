@@ -50,7 +50,7 @@ ForceFeedbackConfig force_feedback(const proto::ForceFeedback& f, double Ts) {
                                     .torque_step = f.max_torque_rate_newton_meter_per_s() * Ts}}};
 }
 
-PositionControlConfig position_control(const proto::PositionControl& p) {
+PositionControlConfig position_control(const proto::PositionControl& p, double Ts) {
   PositionControlConfig c{.pid = {.kp = p.kp_newton_per_m(),
                                   .ki = p.ki_newton_per_m_s(),
                                   .kd = p.kd_newton_s_per_m(),
@@ -60,7 +60,58 @@ PositionControlConfig position_control(const proto::PositionControl& p) {
                           .gravity_mass = p.gravity_mass_kg()};
   for (const auto& s : p.set_point())
     c.set_points.push_back({from_seconds(s.at_s()), vec3(s.position_m())});
+  if (p.has_max_speed_m_per_s())
+    c.safe = {.max_speed = p.max_speed_m_per_s(),
+              .force_step = p.max_force_rate_newton_per_s() * Ts};
+  if (p.has_park()) c.park_p_MH = vec3(p.park().position_m());
+  if (p.has_danger_cue()) {
+    const proto::DangerCue& cue = p.danger_cue();
+    c.danger_cue = {.max_shift = cue.max_shift_m(), .shift_step = cue.speed_m_per_s() * Ts};
+    for (const auto& d : cue.danger())
+      c.danger_cue->script.push_back(
+          {from_seconds(d.at_s()), from_seconds(d.lasting_s()), vec3(d.towards())});
+  }
   return c;
+}
+
+Fixture fixture(const proto::Fixture& f) {
+  Fixture c{.stiffness = f.stiffness_newton_per_m(),
+            .damping = f.damping_newton_s_per_m(),
+            .max_force = f.max_force_newton()};
+  if (f.has_axis())
+    c.shape = AxisFixture{vec3(f.axis().point_m()), vec3(f.axis().direction()).normalized()};
+  else if (f.has_sphere())
+    c.shape = SphereFixture{.centre_M = vec3(f.sphere().centre_m()),
+                            .radius = f.sphere().radius_m(),
+                            .keep = f.sphere().keep() == proto::FixtureSphere::INSIDE
+                                        ? SphereFixture::Keep::inside
+                                    : f.sphere().keep() == proto::FixtureSphere::OUTSIDE
+                                        ? SphereFixture::Keep::outside
+                                        : SphereFixture::Keep::attract};
+  else
+    c.shape = PlaneFixture{.point_M = vec3(f.plane().point_m()),
+                           .normal_M = vec3(f.plane().normal()).normalized(),
+                           .two_sided = f.plane().two_sided()};
+  return c;
+}
+
+GuidanceConfig guidance(const proto::Guidance& g) {
+  GuidanceConfig c;
+  for (const auto& f : g.fixture()) c.fixtures.push_back(fixture(f));
+  if (g.has_handle_limits())
+    c.handle_limits = {.margin = g.handle_limits().margin_m(),
+                       .max_force = g.handle_limits().max_force_newton()};
+  return c;
+}
+
+std::string position_control_stage(const proto::PositionControl& p) {
+  std::string out = fmt::format("position_control  PID, set points: {}, at most {:g} N",
+                                p.set_point_size(), p.max_force_newton());
+  if (p.has_max_speed_m_per_s()) out += fmt::format(" and {:g} m/s", p.max_speed_m_per_s());
+  if (p.has_park()) out += ", parks";
+  if (p.has_danger_cue())
+    out += fmt::format(", danger cue up to {:g} mm", 1e3 * p.danger_cue().max_shift_m());
+  return out;
 }
 
 }  // namespace
@@ -76,14 +127,16 @@ MasterConfig master_config(const proto::Scene& scene) {
   else
     c.handle = TwinDeltaHandle{twin_delta(m.twin_delta()), {}};
   if (m.has_force_feedback()) c.force_feedback = force_feedback(m.force_feedback(), c.Ts);
-  if (m.has_position_control()) c.position_control = position_control(m.position_control());
+  if (m.has_position_control()) c.position_control = position_control(m.position_control(), c.Ts);
+  if (m.has_guidance()) c.guidance = guidance(m.guidance());
   return c;
 }
 
 MasterLoopConfig master_loop_config(const proto::Scene& scene) {
   return {.period = from_seconds(1 / scene.rate_hz()),
           .cut_off = from_seconds(scene.link().cut_off_us() * 1e-6),
-          .lost = milliseconds(scene.link().lost_ms())};
+          .lost = milliseconds(scene.link().lost_ms()),
+          .park = from_seconds(scene.master().position_control().park().at_end_s())};
 }
 
 AnyDevice make_device(const Scene& scene, const std::optional<std::string>& trace,
@@ -109,13 +162,13 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   if (m.has_force_feedback()) {
     out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
                               m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
+    if (m.has_guidance())
+      out.push_back(fmt::format("guidance          fixtures: {}{}", m.guidance().fixture_size(),
+                                m.guidance().has_handle_limits() ? ", handle limits" : ""));
     out.push_back(fmt::format("force_controller  open-loop reflection, at most {:g} N",
                               m.force_feedback().max_force_newton()));
   }
-  if (m.has_position_control())
-    out.push_back(fmt::format("position_control  PID, set points: {}, at most {:g} N",
-                              m.position_control().set_point_size(),
-                              m.position_control().max_force_newton()));
+  if (m.has_position_control()) out.push_back(position_control_stage(m.position_control()));
   if (m.has_force_feedback() || m.has_position_control())
     out.push_back(
         fmt::format("limits            finite, clamp, slew; write motor torques, at most {:g} N m",

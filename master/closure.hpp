@@ -3,6 +3,7 @@
 // trigonometric function.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/geometry.hpp"
@@ -125,6 +126,26 @@ inline Vec3 theta_rates(const BarMap& m, const Vec3& v) noexcept {
 inline Vec3 velocity(const BarMap& m, const Vec3& rates) noexcept {
   if (m.status != Status::ok) return Vec3::Zero();
   return solve(m.bars, m.lever.cwiseProduct(rates));
+}
+
+// The end of a handle's accepted workspace, made felt before it is there: the force grows from zero
+// at `margin` before an edge to `max_force` at it.
+struct WorkspaceEdge {
+  double margin = 0.006;  // [m] > 0
+  double max_force = 8;   // [N]
+};
+// Push against one edge, along the gradient of its measure. spare: by how much the measure exceeds
+// what is accepted; slope: length of its gradient [1/m]. To first order spare / slope metres are
+// left, which is what the force goes by. slope = 0: none.
+inline double edge_push(const WorkspaceEdge& e, double spare, double slope) noexcept {
+  const double near = e.margin * slope - spare;
+  return near > 0 ? e.max_force * std::min(1.0, near / (e.margin * slope)) : 0;
+}
+// The same as a vector.
+inline Vec3 edge_push(const WorkspaceEdge& e, double spare, const Vec3& gradient) noexcept {
+  const double slope = gradient.norm();
+  if (!(slope > 0)) return Vec3::Zero();
+  return (edge_push(e, spare, slope) / slope) * gradient;
 }
 
 }  // namespace farhand

@@ -184,6 +184,28 @@ FalconJacobian from_arms(const FalconGeometry& g, const Vec3& p, const Vec3& cos
   return J;
 }
 
+// How measures of one leg change as the grip moves. The forearm (u, v, w) follows the grip, less
+// what the arm turns: d theta1 = n.dp / lever, and the knee goes with it.
+struct LegSlopes {
+  Vec3 bar;   // of bar . weight, the weight being given
+  Vec3 sine;  // of sin(t2 - t1)
+};
+LegSlopes leg_slopes(const FalconGeometry& g, int i, const FalconForward& at, const BarMap& m,
+                     const Vec3& weight) noexcept {
+  const double c1 = at.cos1[i], s1 = at.sin1[i], h = g.d + g.e;
+  const Forearm f(g, reach_vector(g, i, at.p_MH), c1, s1);
+  const double rho3 = f.rho * f.rho * f.rho, in_plane = 1 - h / f.rho;
+  const Vec3 along(f.u, 0, f.w), knee(-g.a * s1, 0, g.a * c1);
+  const Vec3 turn = to_leg(g, i, m.bars.A.row(i)) / m.lever[i];
+  const Vec3 k = to_leg(g, i, weight);
+  const Vec3 bar =
+      Vec3(in_plane * k.x(), k.y(), in_plane * k.z()) + (h * along.dot(k) / rho3) * along;
+  const Vec3 sine = Vec3(-s1, 0, c1) / f.rho - (f.outward / rho3) * along;
+  const double sine_by_arm = -(s1 * f.w + c1 * f.u) / f.rho;
+  return {from_leg(g, i, bar - bar.dot(knee) * turn),
+          from_leg(g, i, sine + (sine_by_arm - sine.dot(knee)) * turn)};
+}
+
 }  // namespace
 
 Vec3 theta1_from_counts(const FalconGeometry& g, const Eigen::Vector3i& counts) noexcept {
@@ -268,6 +290,19 @@ FalconJacobian jacobian(const FalconGeometry& g, const FalconForward& at) noexce
 
 bool accepted(const FalconGeometry&, const FalconJacobian& J) noexcept {
   return J.status == Status::ok && J.det_n <= -kMinDetN && J.min_abs_sin >= kMinAbsSin;
+}
+
+Vec3 edge_force(const FalconGeometry& g, const FalconForward& at, const FalconJacobian& J,
+                const WorkspaceEdge& edge) noexcept {
+  Vec3 f = Vec3::Zero(), det_slope = Vec3::Zero();
+  if (J.status != Status::ok || at.status != Status::ok) return f;
+  for (int i = 0; i < kLegs; ++i) {
+    const LegSlopes slopes = leg_slopes(g, i, at, J.map, J.map.bars.crosses.col(i) / g.b);
+    const Forearm forearm(g, reach_vector(g, i, at.p_MH), at.cos1[i], at.sin1[i]);
+    det_slope += slopes.bar;
+    f += edge_push(edge, forearm.outward / forearm.rho - kMinAbsSin, slopes.sine);
+  }
+  return f + edge_push(edge, -J.det_n - kMinDetN, Vec3(-det_slope));
 }
 
 Mat3 inverse_jacobian(const FalconJacobian& J) noexcept {

@@ -114,6 +114,11 @@ FalconJacobian jacobian(const FalconGeometry& g, const FalconForward& at) noexce
 // Where forces may be commanded: det_n <= -0.1 and min_abs_sin >= 0.1 (reference section 2.4).
 bool accepted(const FalconGeometry& g, const FalconJacobian& J) noexcept;
 
+// Force on the hand [N], M axes, that keeps the grip from leaving the accepted workspace: the sum
+// over both measures, the second of every leg. Zero if J is not ok.
+Vec3 edge_force(const FalconGeometry& g, const FalconForward& at, const FalconJacobian& J,
+                const WorkspaceEdge& edge) noexcept;
+
 // Jinv of theta_dot = Jinv v_MH [1/m], rows = legs (the transpose of what eq. 11 prints). Zero if
 // status is not ok.
 Mat3 inverse_jacobian(const FalconJacobian& J) noexcept;

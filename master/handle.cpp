@@ -20,6 +20,10 @@ MotorTorques FalconHandle::torque(const HandlePose&, const Wrench& F_G) const no
   return out;
 }
 
+Wrench FalconHandle::edge_wrench(const HandlePose&, const WorkspaceEdge& edge) const noexcept {
+  return {.force = edge_force(geometry, at, jacobian(geometry, at), edge)};
+}
+
 void TwinDeltaHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
   solve_forward(geometry, theta, at);
   pose.status = at.status;
@@ -34,6 +38,11 @@ MotorTorques TwinDeltaHandle::torque(const HandlePose& pose, const Wrench& F_G) 
   if (!accepted(geometry, J))
     return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
   return {.status = Status::ok, .tau = farhand::torque(J, F_G)};
+}
+
+Wrench TwinDeltaHandle::edge_wrench(const HandlePose& pose,
+                                    const WorkspaceEdge& edge) const noexcept {
+  return farhand::edge_wrench(geometry, at, jacobian(geometry, at, pose.R_MG), edge);
 }
 
 HandleVelocity::HandleVelocity(double cutoff_hz, double Ts) noexcept

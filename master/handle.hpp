@@ -30,6 +30,7 @@ struct FalconHandle {
 
   void update(const Vec6& theta, HandlePose& pose) noexcept;
   MotorTorques torque(const HandlePose& pose, const Wrench& F_G) const noexcept;
+  Wrench edge_wrench(const HandlePose& pose, const WorkspaceEdge& edge) const noexcept;
 };
 
 struct TwinDeltaHandle {
@@ -38,6 +39,7 @@ struct TwinDeltaHandle {
 
   void update(const Vec6& theta, HandlePose& pose) noexcept;
   MotorTorques torque(const HandlePose& pose, const Wrench& F_G) const noexcept;
+  Wrench edge_wrench(const HandlePose& pose, const WorkspaceEdge& edge) const noexcept;
 };
 
 using Handle = std::variant<FalconHandle, TwinDeltaHandle>;
@@ -53,6 +55,12 @@ inline void update(Handle& handle, const Vec6& theta, HandlePose& pose) noexcept
 inline MotorTorques torque(const Handle& handle, const HandlePose& pose,
                            const Wrench& F_G) noexcept {
   return std::visit([&](const auto& h) { return h.torque(pose, F_G); }, handle);
+}
+
+// Wrench on the hand near the end of the accepted workspace, at H, axes of G.
+inline Wrench edge_wrench(const Handle& handle, const HandlePose& pose,
+                          const WorkspaceEdge& edge) noexcept {
+  return std::visit([&](const auto& h) { return h.edge_wrench(pose, edge); }, handle);
 }
 
 // Handle velocity from pose differences through one pole. Ts [s]; the first sample is at rest.

@@ -19,12 +19,27 @@ void MasterLoop::run(Duration limit) noexcept {
   next_ = monotonic_now() + config_.period;
   const TimePoint last = next_ + limit;
   while (!stop_requested() && next_ < last) turn();
+  if (config_.park > Duration::zero()) park();
 
   // The slave holds, and the force fades by its slew limit.
   stopping_ = true;
   constexpr Duration kGoodbye = std::chrono::milliseconds(100);
   for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
   write(device_, monotonic_now(), Vec6::Zero());
+}
+
+// As if the clutch were held, until the grip is there or the time is over.
+void MasterLoop::park() noexcept {
+  constexpr double kParked = 0.002;  // [m]
+  const auto& position = master_.config().position_control;
+  if (!position || !position->park_p_MH) return;
+  parking_ = true;
+  double left = 0;
+  const TimePoint end = monotonic_now() + config_.park;
+  do {
+    turn();
+    left = (record_->tick.handle.X_MH.p - *position->park_p_MH).norm();
+  } while (left > kParked && monotonic_now() < end);
 }
 
 void MasterLoop::turn() noexcept {
@@ -36,6 +51,7 @@ void MasterLoop::turn() noexcept {
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
+  reading.clutch |= parking_;
   if (stopping_)
     reading.ok = false;  // as a device that is gone: every force fades, whatever made it
   const TimePoint sampled = monotonic_now();

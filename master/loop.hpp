@@ -25,6 +25,7 @@ struct MasterLoopConfig {
   Duration period{std::chrono::milliseconds(1)};
   Duration cut_off{std::chrono::microseconds(400)};  // how long to wait for the answer
   Duration lost{std::chrono::milliseconds(500)};     // silence after which the slave is gone
+  Duration park{};  // at the end, how long position control may take to park the grip
 };
 
 class MasterLoop {
@@ -34,8 +35,8 @@ class MasterLoop {
   MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
              UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept;
 
-  // Turns until a stop is requested or `limit` has passed; then lets the force fade, tells the
-  // slave, and leaves the motors at zero torque.
+  // Turns until a stop is requested or `limit` has passed; then parks the grip if asked to, lets
+  // the force fade, tells the slave, and leaves the motors at zero torque.
   void run(Duration limit) noexcept;
 
   // One period: wait for its begin, sample, send, wait for the answer, actuate, write.
@@ -47,6 +48,7 @@ class MasterLoop {
   void await_answer(TimePoint until) noexcept;
   void receive() noexcept;
   bool answered() const noexcept;
+  void park() noexcept;
   void finish(TimePoint end, Duration busy) noexcept;
 
   MasterLoopConfig config_;
@@ -56,6 +58,7 @@ class MasterLoop {
   UdpSocket* socket_;
   Recorder<MasterRecord>& recorder_;
   OverrunSplit split_;
+  bool parking_ = false;
   bool stopping_ = false;
   TimePoint next_{};
   std::uint64_t sent_sequence_ = 0;

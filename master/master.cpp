@@ -45,7 +45,8 @@ void Master::count_presses() noexcept {
   out.clutch = tick_.reading.clutch;
 }
 
-const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
+const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
+                                  const Vec3& danger_M) noexcept {
   tick_.age = slave.age;
   if (slave.newest != nullptr) {
     tick_.slave_mode = slave.newest->mode;
@@ -54,7 +55,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   if (!force_ && !position_) return tick_;
 
   Vec6 tau = Vec6::Zero();
-  tick_.F_G = wanted_wrench(now, slave);
+  tick_.F_G = position_ ? drive_to_target(now, danger_M) : wanted_wrench(slave);
   if (tick_.reading.ok && tick_.handle.status == Status::ok) {
     const MotorTorques motors = torque(handle_, tick_.handle, tick_.F_G);
     if (motors.status != Status::ok) tick_.limits |= kLimitAcceptance;
@@ -66,21 +67,29 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   return tick_;
 }
 
+Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
+  Wrench F;
+  if (tick_.handle.status == Status::ok)
+    F.force = position_->step(now,
+                              {.p_MH = tick_.handle.X_MH.p,
+                               .v_MH = tick_.out.V_MH.linear,
+                               .park = tick_.reading.clutch,
+                               .danger_M = danger_M},
+                              tick_.limits);
+  tick_.p_MH_target = position_->target();
+  return F;
+}
+
 // In handle axes, already within what the hand may feel.
-Wrench Master::wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept {
-  if (position_) {
-    Wrench F;
-    if (tick_.handle.status == Status::ok)
-      F.force = position_->step(now, tick_.handle.X_MH.p, tick_.limits);
-    tick_.p_MH_target = position_->target();
-    return F;
-  }
+Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   // Holding because the link aged: the last wrench fades by its age instead of breaking off.
   const bool in_touch = tick_.mode == Mode::engaged || tick_.mode == Mode::holding;
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};
+  if (config_.guidance && tick_.mode == Mode::engaged)
+    tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   return force_->step(tick_.F_env_G, tick_.reading.has_force ? &tick_.reading.F_user_G : nullptr,
                       tick_.limits);
 }

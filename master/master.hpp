@@ -13,6 +13,7 @@
 #include "common/wire.hpp"
 #include "master/compensation.hpp"
 #include "master/force_controller.hpp"
+#include "master/guidance.hpp"
 #include "master/handle.hpp"
 #include "master/haptic_device.hpp"
 #include "master/position_control.hpp"
@@ -34,6 +35,7 @@ struct MasterConfig {
       0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
   std::optional<ForceFeedbackConfig> force_feedback;
   std::optional<PositionControlConfig> position_control;
+  std::optional<GuidanceConfig> guidance;  // felt through force_feedback
 };
 
 // Everything one tick read, sent, received and wrote; the recorder takes it whole.
@@ -46,7 +48,8 @@ struct MasterTick {
   Duration age = Duration::max();  // of the slave's message acted upon; max before the first
   Mode slave_mode = Mode::idle;    // as that message says, and
   bool coupled = false;            // whether the robot follows the handle
-  Wrench F_env_G;                  // robot on environment in handle axes, as compensated
+  Wrench F_env_G;                  // robot on environment in handle axes, as compensated;
+                                   // guidance against it
   Wrench F_G;                      // commanded: handle on hand
   Vec6 tau = Vec6::Zero();         // written to the device [N m]
   bool position_controlled = false;
@@ -63,15 +66,18 @@ class Master {
                               const Peer<SlaveToMaster>& slave) noexcept;
 
   // Motor torques for this period. Write tick.tau. The reference stays valid until the next
-  // sample().
-  const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept;
+  // sample(). danger_M, for the danger cue of position control: towards a danger, length from 0,
+  // none, to 1, at its nearest.
+  const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
+                            const Vec3& danger_M = Vec3::Zero()) noexcept;
 
   const MasterConfig& config() const noexcept { return config_; }
 
  private:
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   void count_presses() noexcept;
-  Wrench wanted_wrench(TimePoint now, const Peer<SlaveToMaster>& slave) noexcept;
+  Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
+  Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 
   MasterConfig config_;
   Handle handle_;

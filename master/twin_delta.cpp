@@ -121,6 +121,33 @@ bool finite(const Wrench& F) noexcept {
   return F.force.allFinite() && F.torque.allFinite();
 }
 
+// The knee turns by d theta1 = n.de / lever as the end moves by de, and the forearm's direction n
+// by what is left: dn = (de - k' d theta1) / L2, k' the knee's own direction of motion.
+Vec3 half_edge_force(const TwinDeltaGeometry& g, const BarMap& m, const double* cos1,
+                     const double* sin1, const WorkspaceEdge& edge) noexcept {
+  Vec3 f = Vec3::Zero(), det_slope = Vec3::Zero();
+  for (int i = 0; i < kHalf; ++i) {
+    const Vec3 knee = from_leg(i, g.L1[i] * Vec3(cos1[i], sin1[i], 0));
+    const Vec3 ahead = from_leg(i, g.L1[i] * Vec3(-sin1[i], cos1[i], 0));
+    const Vec3 n = m.bars.A.row(i), turn = n / m.lever[i], cross = m.bars.crosses.col(i);
+    det_slope += (cross - cross.dot(ahead) * turn) / g.L2[i];
+    const Vec3 lever_slope = (ahead - g.L1[i] * g.L1[i] * turn) / g.L2[i] - n.dot(knee) * turn;
+    f += edge_push(edge, kBend[i] * m.lever[i] - kMinLever, Vec3(kBend[i] * lever_slope));
+  }
+  return f + edge_push(edge, m.bars.det - kMinDet, det_slope);
+}
+
+// On E1; E2 gets the opposite. Length and tilt change twice as fast as either end moves.
+Vec3 pair_edge_force(const TwinDeltaGeometry& g, const TwinDeltaJacobian& J,
+                     const WorkspaceEdge& edge) noexcept {
+  const Vec3 u = J.R_MG.col(2);
+  const double tilt = u.x(), side = tilt < 0 ? -1 : 1;
+  const Vec3 longer = 2 * u, steeper = (2 * side / J.length) * (Vec3::UnitX() - tilt * u);
+  return 0.5 * (edge_push(edge, J.length - g.l_min, longer) +
+                edge_push(edge, g.l_max - J.length, Vec3(-longer)) +
+                edge_push(edge, kSinMaxTilt - side * tilt, Vec3(-steeper)));
+}
+
 }  // namespace
 
 TwinDeltaInverse inverse(const TwinDeltaGeometry& g, const TwinDeltaPose& pose) noexcept {
@@ -288,6 +315,17 @@ Wrench wrench(const TwinDeltaJacobian& J, const EndForces& f) noexcept {
   const double r = J.length / 2;
   return {.force = G1 + G2,
           .torque = {-r * difference.y(), r * difference.x(), J.k_force * difference.z()}};
+}
+
+Wrench edge_wrench(const TwinDeltaGeometry& g, const TwinDeltaForward& at,
+                   const TwinDeltaJacobian& J, const WorkspaceEdge& edge) noexcept {
+  if (J.status != Status::ok || at.status != Status::ok) return {};
+  EndForces f{half_edge_force(g, J.half[0], at.cos1.data(), at.sin1.data(), edge),
+              half_edge_force(g, J.half[1], at.cos1.data() + kHalf, at.sin1.data() + kHalf, edge)};
+  const Vec3 apart = pair_edge_force(g, J, edge);
+  f.f_E1_M += apart;
+  f.f_E2_A2 -= turn(1, apart);
+  return wrench(J, f);
 }
 
 Vec6 torque(const TwinDeltaJacobian& J, const Wrench& F_G) noexcept {

@@ -144,4 +144,10 @@ struct EndForces {
 EndForces end_forces(const TwinDeltaJacobian& J, const Wrench& F_G) noexcept;
 Wrench wrench(const TwinDeltaJacobian& J, const EndForces& f) noexcept;
 
+// Wrench on the hand that keeps the handle from leaving the accepted workspace: each edge pushes
+// the end it belongs to; those of length and tilt push both ends against each other, half each,
+// their margin being what either end moves. Zero if J is not ok.
+Wrench edge_wrench(const TwinDeltaGeometry& g, const TwinDeltaForward& at,
+                   const TwinDeltaJacobian& J, const WorkspaceEdge& edge) noexcept;
+
 }  // namespace farhand

@@ -15,6 +15,7 @@ WorkspaceConfig workspace(const proto::Scene& scene) {
   return {.R_SM = scene.master().has_falcon() ? falcon_axes() : twin_delta_axes(),
           .scale = w.scale(),
           .force_scale = w.force_scale(),
+          .rotation_lock = w.rotation_lock(),
           .position_step = w.max_tool_speed_m_per_s() * Ts,
           .rotation_step = radians(w.max_tool_turn_rate_deg_per_s()) * Ts};
 }
@@ -33,6 +34,21 @@ JointServoConfig servo(const proto::JointPid& pid) {
     c.command_cutoff_hz = pid.velocity_feedforward().cutoff_hz();
   }
   return c;
+}
+
+BoundaryConfig boundary(const proto::Boundary& b, double Ts) {
+  return {.joint_margin = radians(b.joint_margin_deg()),
+          .reach_margin = b.reach_margin_m(),
+          .elbow_margin = b.elbow_margin(),
+          .wrist_margin = b.wrist_margin(),
+          .shoulder_margin = b.shoulder_margin_m(),
+          .stiffness = b.stiffness_newton_per_m(),
+          .rotation_stiffness = b.rotation_stiffness_newton_m_per_rad(),
+          .limits = {.force = b.max_force_newton(),
+                     .torque = b.max_torque_newton_meter(),
+                     .twist_torque = b.max_torque_newton_meter(),
+                     .force_step = b.max_force_rate_newton_per_s() * Ts,
+                     .torque_step = b.max_torque_rate_newton_meter_per_s() * Ts}};
 }
 
 Shape shape(const proto::Surface& s) {
@@ -91,6 +107,7 @@ SlaveConfig slave_config(const proto::Scene& scene) {
                        .bias = vec3(f.bias_newton()),
                        .cutoff_hz = f.cutoff_hz()};
   }
+  if (slave.has_boundary()) c.boundary = boundary(slave.boundary(), c.Ts);
   return c;
 }
 
@@ -111,11 +128,16 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   std::vector<std::string> out;
   out.push_back(fmt::format("link            receive the handle's pose at {:g} Hz, phase-locked",
                             scene.rate_hz()));
-  out.push_back(
-      fmt::format("workspace       handle pose to tool target, scale {:g}", s.workspace().scale()));
+  out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}",
+                            s.workspace().scale(),
+                            s.workspace().rotation_lock() ? ", orientation kept" : ""));
   out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, surfaces: {})",
                             s.sim_arm().rate_hz(), s.sim_arm().surface_size()));
   out.push_back("arm             forward and nearest inverse kinematics");
+  if (s.has_boundary())
+    out.push_back(
+        fmt::format("boundary        slides along the robot's limits; felt by at most {:g} N",
+                    s.boundary().max_force_newton()));
   out.push_back(fmt::format("joint_pid       {:g} Hz, damping {:g}{}{}{}", pid.bandwidth_hz(),
                             pid.damping_ratio(), pid.has_gravity_compensation() ? ", gravity" : "",
                             pid.has_friction_compensation() ? ", friction" : "",

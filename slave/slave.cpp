@@ -11,6 +11,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
+  if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
 }
 
 const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
@@ -44,8 +45,6 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
-// The handle's pose becomes a tool target, and that a joint target if it can be reached; otherwise
-// the last one stays.
 void Slave::move_target(const MasterToSlave* in) noexcept {
   if (!started_) {
     started_ = true;
@@ -56,20 +55,41 @@ void Slave::move_target(const MasterToSlave* in) noexcept {
   tick_.coupled = tick_.mode == Mode::engaged && !in->clutch;
   tick_.inverse = Status::ok;
   if (tick_.coupled) {
-    const Pose X_MH{in->q_MH.toRotationMatrix(), in->p_MH};
-    if (!workspace_.coupled) couple(workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
-    tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
-    const ArmNearest nearest = inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_);
-    tick_.inverse = nearest.status;
-    if (nearest.status == Status::ok)
-      q_target_ = nearest.q;
-    else
-      tick_.limits |= kLimitWorkspace;
+    follow_handle({in->q_MH.toRotationMatrix(), in->p_MH});
   } else if (workspace_.coupled) {
     q_target_ = tick_.q_cmd;
     uncouple(workspace_, forward(config_.arm, tick_.q_cmd));
     tick_.X_SE_target = workspace_.X_SE_target;
   }
+  if (boundary_ && !tick_.coupled) boundary_->relax();
+}
+
+void Slave::follow_handle(const Pose& X_MH) noexcept {
+  if (!workspace_.coupled) {
+    couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
+    if (boundary_) boundary_->couple(tick_.q_cmd);
+  }
+  tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
+  reach();
+}
+
+// The tool target becomes a joint target if it can be reached; otherwise the last one stays, or
+// with a boundary slides along it.
+void Slave::reach() noexcept {
+  if (boundary_) {
+    const BoundaryHold hold = boundary_->step(tick_.X_SE_target);
+    tick_.inverse = hold.status;
+    q_target_ = hold.q;
+    tick_.X_SE_target = hold.X_SE;
+    if (hold.held) tick_.limits |= kLimitWorkspace;
+    return;
+  }
+  const ArmNearest nearest = inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_);
+  tick_.inverse = nearest.status;
+  if (nearest.status == Status::ok)
+    q_target_ = nearest.q;
+  else
+    tick_.limits |= kLimitWorkspace;
 }
 
 // Speed limit on the joint command, servo, and the way out: finite, clamp, slew.
@@ -91,7 +111,10 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   out.mode = tick_.mode;
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
-  if (force_sensing_) out.F_E_M = reflect(config_.workspace, tick_.F_E_S);
+  if (boundary_)
+    out.F_E_M = reflect(config_.workspace, tick_.F_E_S + boundary_->F_E_S());
+  else if (force_sensing_)
+    out.F_E_M = reflect(config_.workspace, tick_.F_E_S);
   if (in != nullptr) {
     out.dead_man_presses_seen = in->dead_man_presses;
     out.clutch_presses_seen = in->clutch_presses;

@@ -10,6 +10,7 @@
 #include "common/time.hpp"
 #include "common/wire.hpp"
 #include "slave/arm.hpp"
+#include "slave/boundary.hpp"
 #include "slave/force_sensing.hpp"
 #include "slave/joint_servo.hpp"
 #include "slave/robot.hpp"
@@ -28,6 +29,7 @@ struct SlaveConfig {
   double torque_rise_time_s =
       0.02;  // a joint torque may go from 0 to its limit in this time: the slew limit
   std::optional<ForceSensingConfig> force_sensing;
+  std::optional<BoundaryConfig> boundary;
 };
 
 // Everything one tick read, decided and sent; the recorder takes it whole.
@@ -37,8 +39,8 @@ struct SlaveTick {
   RobotReading robot;
   Mode mode = Mode::idle;
   bool coupled = false;
-  Pose X_SE;  // of the measured joints
-  Pose X_SE_target;
+  Pose X_SE;         // of the measured joints
+  Pose X_SE_target;  // where the robot is told to go: the handle's wish, or held at the boundary
   Vec6 q_cmd = Vec6::Zero();  // joint command after speed limits
   Vec6 tau = Vec6::Zero();    // written to the robot
   Wrench F_E_S;               // cleaned: tool weight and bias removed
@@ -59,10 +61,13 @@ class Slave {
 
   const SlaveConfig& config() const noexcept { return config_; }
   const WorkspaceState& workspace() const noexcept { return workspace_; }
+  const std::optional<Boundary>& boundary() const noexcept { return boundary_; }
 
  private:
   void decide_mode(const Peer<MasterToSlave>& master) noexcept;
   void move_target(const MasterToSlave* in) noexcept;
+  void follow_handle(const Pose& X_MH) noexcept;
+  void reach() noexcept;
   void command_joints() noexcept;
   void answer(const MasterToSlave* in) noexcept;
 
@@ -73,6 +78,7 @@ class Slave {
   WorkspaceState workspace_;
   JointServo servo_;
   std::optional<ForceSensing> force_sensing_;
+  std::optional<Boundary> boundary_;
   bool started_ = false;
   Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
   SlaveTick tick_;

@@ -10,8 +10,10 @@ Mat3 falcon_axes() noexcept {
   return (Mat3() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished();
 }
 
-void couple(WorkspaceState& s, const Pose& X_MH, const Pose& X_SE) noexcept {
-  s = {.coupled = true, .p_MH0 = X_MH.p, .R_MH0 = X_MH.R, .X_SE0 = X_SE, .X_SE_target = X_SE};
+void couple(const WorkspaceConfig& c, WorkspaceState& s, const Pose& X_MH,
+            const Pose& X_SE) noexcept {
+  s = {.coupled = true, .p_MH0 = X_MH.p, .p_SE0 = X_SE.p, .X_SE_target = X_SE};
+  s.R_HE.noalias() = (c.R_SM * X_MH.R).transpose() * X_SE.R;
 }
 
 void uncouple(WorkspaceState& s, const Pose& X_SE) noexcept {
@@ -21,11 +23,12 @@ void uncouple(WorkspaceState& s, const Pose& X_SE) noexcept {
 
 namespace {
 
-// `to` turned back towards `from` so that they differ by at most `max` radians. The cosine test
-// comes first: almost every tick passes it, and the angle itself is dear.
-Mat3 limit_turn(const Mat3& from, const Mat3& to, double max, LimitSet& set) noexcept {
-  const double trace = from.cwiseProduct(to).sum();
-  if (max >= 3.15 || trace >= 1 + 2 * std::cos(max)) return to;
+// `to` turned back towards `from` so that they differ by at most `max` radians. Almost every tick
+// passes the first test, a bound of 1 + 2 cos(max) from above; the angle itself is dear.
+Mat3 limit_turn(const Mat3& from, const Mat3& to, double trace, double max,
+                LimitSet& set) noexcept {
+  const double max2 = max * max;
+  if (max >= 3.15 || trace >= 3 - max2 + max2 * max2 / 12) return to;
   const Vec3 turn = rotation_vector(to * from.transpose());
   if (turn.norm() <= max) return to;
   set |= kLimitSpeed;
@@ -37,22 +40,30 @@ Mat3 limit_turn(const Mat3& from, const Mat3& to, double max, LimitSet& set) noe
 const Pose& follow(const WorkspaceConfig& c, WorkspaceState& s, const Pose& X_MH,
                    LimitSet& set) noexcept {
   if (!s.coupled) return s.X_SE_target;
-  const Vec3 wish = s.X_SE0.p + c.scale * (c.R_SM * (X_MH.p - s.p_MH0));
-  const Mat3 R_wish = c.R_SM * (X_MH.R * s.R_MH0.transpose()) * c.R_SM.transpose() * s.X_SE0.R;
-  if (!is_finite(wish) || !is_finite(R_wish)) {
-    set |= kLimitNotFinite;
-    return s.X_SE_target;
+  Pose& target = s.X_SE_target;
+  const Vec3 wish = s.p_SE0 + c.scale * (c.R_SM * (X_MH.p - s.p_MH0));
+  Mat3 R_wish = target.R;
+  double trace = 3;  // of the turn still to make; not finite if R_wish is not
+  if (!c.rotation_lock) {
+    R_wish.noalias() = c.R_SM * (X_MH.R * s.R_HE).eval();
+    trace = target.R.cwiseProduct(R_wish).sum();
   }
-  const Vec3 move = wish - s.X_SE_target.p;
+  if (!std::isfinite(wish.sum() + trace)) {
+    set |= kLimitNotFinite;
+    return target;
+  }
+  const Vec3 move = wish - target.p;
   const Vec3 allowed = clamp_norm(move, c.position_step);
   if (allowed != move) set |= kLimitSpeed;
-  s.X_SE_target.p = allowed == move ? wish : Vec3(s.X_SE_target.p + allowed);
-  s.X_SE_target.R = limit_turn(s.X_SE_target.R, R_wish, c.rotation_step, set);
-  return s.X_SE_target;
+  target.p = allowed == move ? wish : Vec3(target.p + allowed);
+  if (!c.rotation_lock) target.R = limit_turn(target.R, R_wish, trace, c.rotation_step, set);
+  return target;
 }
 
 Wrench reflect(const WorkspaceConfig& c, const Wrench& F_E_S) noexcept {
-  return c.force_scale * (c.R_SM.transpose() * F_E_S);
+  Wrench F = c.force_scale * (c.R_SM.transpose() * F_E_S);
+  if (c.rotation_lock) F.torque.setZero();
+  return F;
 }
 
 }  // namespace farhand

@@ -4,6 +4,9 @@
 // While coupled, with the references taken at the moment of coupling,
 //   p_SE = p_SE0 + scale R_SM (p_MH - p_MH0),     R_SE = R_SM (R_MH R_MH0^T) R_SM^T R_SE0
 // Uncoupled, the target stays. Coupling again stores new references, so the target never jumps.
+//
+// Under rotation lock the tool keeps the orientation it was coupled with, and the torque is not
+// sent back: what does no work on the robot does none on the hand.
 #pragma once
 
 #include "common/geometry.hpp"
@@ -19,21 +22,24 @@ struct WorkspaceConfig {
   Mat3 R_SM = Mat3::Identity();
   double scale = 1;            // motion; rotation is never scaled
   double force_scale = 1;      // of force and torque on the way back
+  bool rotation_lock = false;  // the tool keeps its orientation
   double position_step = 1e9;  // largest move of the target per tick [m]
   double rotation_step = 1e9;  // largest turn of the target per tick [rad]
 };
 
 struct WorkspaceState {
   bool coupled = false;
+  // References, all that follow() needs of the moment of coupling.
   Vec3 p_MH0 = Vec3::Zero();
-  Mat3 R_MH0 = Mat3::Identity();
-  Pose X_SE0;
+  Vec3 p_SE0 = Vec3::Zero();
+  Mat3 R_HE = Mat3::Identity();  // the tool as if held by the handle: R_SE = R_SM R_MH R_HE
   Pose X_SE_target;
 };
 
 // Takes references: the handle at X_MH shall from now on mean X_SE (the pose the robot is commanded
 // to).
-void couple(WorkspaceState& state, const Pose& X_MH, const Pose& X_SE) noexcept;
+void couple(const WorkspaceConfig& config, WorkspaceState& state, const Pose& X_MH,
+            const Pose& X_SE) noexcept;
 // The target stays where it is; X_SE is the pose the robot is commanded to, which becomes the
 // target.
 void uncouple(WorkspaceState& state, const Pose& X_SE) noexcept;
@@ -44,7 +50,7 @@ const Pose& follow(const WorkspaceConfig& config, WorkspaceState& state, const P
                    LimitSet& set) noexcept;
 
 // F_E_S, the wrench the robot exerts on the environment at E in axes of S, as the master gets it:
-// scaled, in axes of M.
+// scaled, in axes of M. Without its torque under rotation lock.
 Wrench reflect(const WorkspaceConfig& config, const Wrench& F_E_S) noexcept;
 
 }  // namespace farhand

@@ -64,7 +64,7 @@ Vec3 true_handle(const AnyDevice& device, const Vec3& measured) {
 Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
   const WorkspaceState& w = slave.workspace();
   const WorkspaceConfig& c = slave.config().workspace;
-  return w.X_SE0.p + c.scale * (c.R_SM * (p_MH - w.p_MH0));
+  return w.p_SE0 + c.scale * (c.R_SM * (p_MH - w.p_MH0));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ SineRun run_sine(Scene scene) {
     if (t.now < loop.start() + std::chrono::seconds(5)) return;
     const Vec3 p_MH = std::get<SimHand<TwinDeltaGeometry>>(loop.device()).truth().state.p_MH;
     const WorkspaceState& w = loop.slave()->workspace();
-    const Vec3 wanted = w.X_SE0.p + loop.slave()->config().workspace.R_SM * (p_MH - w.p_MH0);
+    const Vec3 wanted = w.p_SE0 + loop.slave()->config().workspace.R_SM * (p_MH - w.p_MH0);
     y.add(p_MH.y());
     error.add((wanted - std::get<SimArm>(*loop.robot()).truth().X_SE.p).norm());
   };

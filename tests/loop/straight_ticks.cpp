@@ -91,7 +91,7 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   Status found = Status::ok;
   if (out.coupled) {
     const Pose X_MH{in->q_MH.toRotationMatrix(), in->p_MH};
-    if (!target.coupled) couple(target, X_MH, forward(arm, q_cmd));
+    if (!target.coupled) couple(workspace, target, X_MH, forward(arm, q_cmd));
     const ArmNearest nearest =
         inverse(arm, joints, follow(workspace, target, X_MH, limits), q_target);
     found = nearest.status;

@@ -30,7 +30,8 @@ void mapping(const golden::Json& v, golden::Checker& check) {
                    golden::column(in["p_h0"])};
   const Pose X_MH{handle_rotation(golden::column(in["u_raw"]), in["gamma"]),
                   golden::column(in["p_h"])};
-  couple(state, X_MH0, {quaternion(in["quat_r0"]).toRotationMatrix(), golden::column(in["p_r0"])});
+  couple(config, state, X_MH0,
+         {quaternion(in["quat_r0"]).toRotationMatrix(), golden::column(in["p_r0"])});
   LimitSet set = 0;
   const Pose X_SE = follow(config, state, X_MH, set);
   check.values("p_r", X_SE.p, v["out"]["p_r"], v["tol"]);
@@ -60,12 +61,12 @@ TEST(Workspace, CouplingAgainElsewhereDoesNotMoveTheTarget) {
   const WorkspaceConfig config{.R_SM = twin_delta_axes(), .scale = 2};
   WorkspaceState s;
   LimitSet set = 0;
-  couple(s, pose(0.1, 0, 0), pose(0, 0.3, 0.4));
+  couple(config, s, pose(0.1, 0, 0), pose(0, 0.3, 0.4));
   const Pose before = follow(config, s, pose(0.12, 0.01, 0, Vec3(0.1, 0, 0)), set);
   uncouple(s, before);
   EXPECT_EQ(follow(config, s, pose(0.2, 0.1, 0.1, Vec3(0, 1, 0)), set).p, before.p);
   const Pose elsewhere = pose(0.15, -0.05, 0.02, Vec3(0, 0, 0.7));
-  couple(s, elsewhere, before);
+  couple(config, s, elsewhere, before);
   const Pose after = follow(config, s, elsewhere, set);
   EXPECT_EQ(after.p, before.p);
   EXPECT_NEAR((after.R - before.R).norm(), 0, 1e-15);
@@ -76,7 +77,7 @@ TEST(Workspace, TargetSpeedIsCappedAndCatchesUp) {
   const WorkspaceConfig config{
       .R_SM = Mat3::Identity(), .position_step = 0.001, .rotation_step = 0.01};
   WorkspaceState s;
-  couple(s, pose(0, 0, 0), pose(0, 0, 0));
+  couple(config, s, pose(0, 0, 0), pose(0, 0, 0));
   const Pose far = pose(0.0035, 0, 0, Vec3(0, 0, 0.035));
   for (int k = 1; k <= 3; ++k) {
     LimitSet set = 0;
@@ -91,17 +92,43 @@ TEST(Workspace, TargetSpeedIsCappedAndCatchesUp) {
 }
 
 TEST(Workspace, NonFinitePoseKeepsTheTarget) {
+  const Pose turned_to_nowhere{Mat3::Constant(NAN), Vec3::Zero()};
+  for (const Pose& bad : {pose(NAN, 0, 0), pose(0, INFINITY, 0), turned_to_nowhere}) {
+    WorkspaceState s;
+    couple({}, s, pose(0, 0, 0), pose(1, 2, 3));
+    LimitSet set = 0;
+    EXPECT_EQ(follow({}, s, bad, set).p, Vec3(1, 2, 3));
+    EXPECT_EQ(s.X_SE_target.R, Mat3::Identity());
+    EXPECT_EQ(set, kLimitNotFinite);
+  }
+}
+
+// The orientation is kept to the bit, over clutching too, and the torque stays on the robot.
+TEST(Workspace, RotationLockKeepsTheToolsOrientation) {
+  const WorkspaceConfig config{
+      .R_SM = twin_delta_axes(), .scale = 1.5, .rotation_lock = true, .rotation_step = 1e-6};
+  const Pose X_SE = pose(0, 0.3, 0.4, Vec3(0.4, -0.2, 1.1));
   WorkspaceState s;
-  couple(s, pose(0, 0, 0), pose(1, 2, 3));
   LimitSet set = 0;
-  EXPECT_EQ(follow({}, s, pose(NAN, 0, 0), set).p, Vec3(1, 2, 3));
-  EXPECT_EQ(set, kLimitNotFinite);
+  couple(config, s, pose(0.18, 0, 0, Vec3(0.1, 0, 0)), X_SE);
+  Pose X = follow(config, s, pose(0.16, 0, 0.01, Vec3(0, 0.8, 0.3)), set);
+  EXPECT_EQ(X.R, X_SE.R);
+  EXPECT_NEAR((X.p - (X_SE.p + Vec3(0, 0.03, 0.015))).norm(), 0, 1e-15);
+  uncouple(s, X);
+  couple(config, s, pose(0.2, 0.05, 0, Vec3(-0.9, 0, 0)), X);
+  X = follow(config, s, pose(0.2, 0.06, 0, Vec3(0, 0, 2)), set);
+  EXPECT_EQ(X.R, X_SE.R);
+  EXPECT_NEAR((X.p - (X_SE.p + Vec3(0.015, 0.03, 0.015))).norm(), 0, 1e-15);
+  EXPECT_EQ(set, kLimitNone);
+  const Wrench F = reflect(config, {Vec3(1, 2, 3), Vec3(0.1, 0.2, 0.3)});
+  EXPECT_EQ(F.force, Vec3(-2, 1, 3));
+  EXPECT_EQ(F.torque, Vec3::Zero());
 }
 
 TEST(Workspace, PowerAgreesOnBothSidesWhenForceAndMotionScalesAreEqual) {
   const WorkspaceConfig config{.R_SM = falcon_axes(), .scale = 1, .force_scale = 1};
   WorkspaceState s;
-  couple(s, pose(0, 0, 0), pose(0, 0, 0));
+  couple(config, s, pose(0, 0, 0), pose(0, 0, 0));
   LimitSet set = 0;
   const Vec3 v_H(0.01, -0.02, 0.03);
   const Pose X = follow(config, s, {Mat3::Identity(), v_H}, set);
