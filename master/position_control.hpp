@@ -38,7 +38,7 @@ struct DangerCueConfig {
     Vec3 towards_M = Vec3::Zero();
   };
   double max_shift = 0.02;         // [m] at a danger of length 1
-  double shift_step = 1e-4;        // [m per tick]
+  double shift_step = 8e-5;        // [m per tick]
   std::vector<Scripted> script{};  // added to the danger given each tick
 };
 

@@ -8,6 +8,7 @@ namespace farhand {
 namespace {
 
 constexpr int kWrist = 4;            // index of joint 5
+constexpr double kStraight = 0.2;    // tangent of what counts as straight beyond axis 1
 constexpr double kRounding = 1e-12;  // [m] of a projection that keeps its point
 
 Vec3 wrist_centre(const ArmGeometry& arm, const Pose& X_SE) noexcept {
@@ -60,13 +61,17 @@ void Boundary::couple(const Vec6& q) noexcept {
 }
 
 // Off the cylinder, towards the plane that touches it where the wrist centre stood last: it slides
-// around as long as the wish lies behind that plane, and never jumps through.
+// around as long as the wish lies behind that plane, and never jumps through. Of a wish straight
+// beyond axis 1 no side is the nearer: there it stays.
 void Boundary::go_around(Eigen::Ref<Eigen::Vector2d> w) noexcept {
   const double before = side_.dot(w);
   sliding_ = w.norm() < post_ || (sliding_ && before < post_);
   if (!sliding_) return;
-  w += (post_ - before) * side_;
-  w *= post_ / w.norm();
+  const Eigen::Vector2d aside = w - before * side_;
+  if (aside.norm() < -kStraight * before)
+    w = post_ * side_;
+  else
+    w = post_ * (post_ * side_ + aside).normalized();
 }
 
 // The nearest point of the shell that is outside the cylinder.

@@ -174,6 +174,35 @@ inline std::vector<BrokenScene> broken_scenes() {
            "\n set_point { at_s: 1 position_m: [0, 0, 0] }\n @set_point { at_s: 1 position_m: [0, "
            "0, 0] } } }",
        "master.position_control.set_point[1]", "in the order of at_s"},
+      {"master { " + falcon + "\n @park { position_m: [0, 0, 0.1] } } }",
+       "master.position_control.park", "add max_speed_m_per_s"},
+      {"master { " + falcon + "\n max_force_rate_newton_per_s: @100 } }",
+       "master.position_control.max_force_rate_newton_per_s", "acts only in safe motion"},
+      {"rate_hz: 100 master { velocity_cutoff_hz: 20 " + falcon +
+           "kd_newton_s_per_m: 0\n max_speed_m_per_s: @0.005 } }",
+       "master.position_control.max_speed_m_per_s", "would make the handle vibrate"},
+      {"master { " + falcon + "max_speed_m_per_s: 0.1 gravity_mass_kg: 1\n max_force_newton: @8 } }",
+       "master.position_control.max_force_newton", "does not exceed the weight"},
+      {"master { " + falcon + "danger_cue {\n max_shift_m: @0.03 } } }",
+       "master.position_control.danger_cue.max_shift_m", "too large"},
+      // ---- guidance
+      {slave + "master { " + hand + "\n @guidance { handle_limits {} } }", "master.guidance",
+       "add force_feedback {}"},
+      {slave + "master { " + hand + "force_feedback {}\n @guidance {} }", "master.guidance",
+       "guides nothing"},
+      {slave + "master { " + hand + "force_feedback {} guidance {\n @fixture {} } }",
+       "master.guidance.fixture[0]", "add plane { ... }, axis { ... } or sphere { ... }"},
+      {slave + "master { " + hand +
+           "force_feedback {} guidance { fixture { plane { point_m: [0, 0, 0]\n @normal: [0, 0, 0] "
+           "} } } }",
+       "master.guidance.fixture[0].plane.normal", "has no length"},
+      {slave + "master { " + hand +
+           "force_feedback {} guidance { fixture { axis { point_m: [0, 0, 0]\n @direction: [0, 0, "
+           "0] } } } }",
+       "master.guidance.fixture[0].axis.direction", "has no length"},
+      {"master { falcon {} sim_hand {} }\nslave { sim_arm {} joint_pid {}\n workspace { "
+       "rotation_lock: @true } }",
+       "slave.workspace.rotation_lock", "means nothing on a Falcon"},
       // ---- hand
       {"rate_hz: 2000 " + with_hand("rate_hz: @1500"), "master.sim_hand.rate_hz",
        "less than one step per tick"},

@@ -41,6 +41,7 @@ void Checkers::check(const MasterTick& t) {
          c.max_motor_torque);
   expect(step <= max_step * (1 + kRounding), t.now, "motor torque step [N m]", step, max_step);
   if (c.force_feedback) check_handle(t);
+  if (c.position_control) check_position_control(t);
   master_mode_ = t.mode;
   motor_tau_ = t.tau;
   F_G_ = t.F_G;
@@ -58,6 +59,31 @@ void Checkers::check_handle(const MasterTick& t) {
          limits.torque_step);
 }
 
+void Checkers::check_position_control(const MasterTick& t) {
+  const PositionControlConfig& c = *loop_.master().config().position_control;
+  const double f = t.F_G.force.norm(), df = (t.F_G.force - F_G_.force).norm();
+  expect(f <= c.max_force * (1 + kRounding), t.now, "force on the hand [N]", f, c.max_force);
+  if (c.safe)
+    expect(df <= c.safe->force_step * (1 + kRounding), t.now, "force step on the hand [N]", df,
+           c.safe->force_step);
+}
+
+// What is sent beyond the contact is the boundary's, limited before it leaves the slave.
+void Checkers::check_boundary(const SlaveTick& t) {
+  const SlaveConfig& c = loop_.slave()->config();
+  const WrenchLimits& limits = c.boundary->limits;
+  const double scale = c.workspace.force_scale;
+  const Wrench F = t.out.F_E_M - reflect(c.workspace, t.F_E_S), change = F - boundary_;
+  const auto within = [&](const Vec3& x, double limit, const char* what) {
+    expect(x.norm() <= scale * limit * (1 + kRounding), t.now, what, x.norm(), scale * limit);
+  };
+  within(F.force, limits.force, "force of the boundary [N]");
+  within(change.force, limits.force_step, "force step of the boundary [N]");
+  within(F.torque, limits.torque, "torque of the boundary [N m]");
+  within(change.torque, limits.torque_step, "torque step of the boundary [N m]");
+  boundary_ = F;
+}
+
 void Checkers::check(const SlaveTick& t) {
   const SlaveConfig& c = loop_.slave()->config();
   const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
@@ -66,6 +92,9 @@ void Checkers::check(const SlaveTick& t) {
   expect(truth.q.allFinite() && truth.dq.allFinite() && t.tau.allFinite(), t.now,
          "robot not finite", NAN, 0);
 
+  const double command =
+      std::max((c.joints.lower - t.q_cmd).maxCoeff(), (t.q_cmd - c.joints.upper).maxCoeff());
+  expect(command <= kRounding, t.now, "joint command outside its limits [rad]", command, 0);
   const Vec6 below = c.joints.lower - truth.q, above = truth.q - c.joints.upper;
   const double outside = std::max(below.maxCoeff(), above.maxCoeff());
   expect(outside <= kOvershoot, t.now, "joint outside its limits [rad]", outside, kOvershoot);
@@ -84,6 +113,7 @@ void Checkers::check(const SlaveTick& t) {
     const double slew = worst(t.tau - joint_tau_, tau_max * (c.Ts / c.torque_rise_time_s));
     expect(slew <= 1 + kRounding, t.now, "joint torque step, share of its limit", slew, 1);
   }
+  if (c.boundary) check_boundary(t);
   slave_mode_ = t.mode;
   slave_seen_ = true;
   q_cmd_ = t.q_cmd;

@@ -29,6 +29,8 @@ class Checkers {
  private:
   void expect(bool good, TimePoint now, const char* what, double value, double limit);
   void check_handle(const MasterTick& tick);
+  void check_position_control(const MasterTick& tick);
+  void check_boundary(const SlaveTick& tick);
 
   const Loopback& loop_;
   std::uint64_t count_ = 0;
@@ -36,6 +38,7 @@ class Checkers {
   Mode master_mode_ = Mode::idle, slave_mode_ = Mode::idle;
   Vec6 motor_tau_ = Vec6::Zero();
   Wrench F_G_;
+  Wrench boundary_;
   bool slave_seen_ = false;
   Vec6 q_cmd_ = Vec6::Zero();
   Vec6 joint_tau_ = Vec6::Zero();

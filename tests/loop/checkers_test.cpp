@@ -8,8 +8,9 @@ namespace {
 
 class CheckersTest : public ::testing::Test {
  protected:
-  CheckersTest()
-      : loop_(load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/full.textproto"), {.duration_s = 1}) {
+  explicit CheckersTest(const std::string& scene = "full")
+      : loop_(load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + scene + ".textproto"),
+              {.duration_s = 1}) {
     loop_.on_master = [this](const MasterTick& t) { master_ = t; };
     loop_.on_slave = [this](const SlaveTick& t) { slave_ = t; };
     loop_.run();
@@ -75,6 +76,41 @@ TEST_F(CheckersTest, RefuseTorquesAndForcesBeyondTheirLimitsAndSlews) {
   EXPECT_NE(verdict(slave_, s), "");
   s.tau[0] = 61;
   EXPECT_NE(verdict(slave_, s), "");
+}
+
+TEST_F(CheckersTest, RefuseJointCommandsOutsideTheLimits) {
+  SlaveTick s = idle(slave_);
+  s.q_cmd[2] = 2.2;
+  EXPECT_EQ(verdict(s, s).substr(0, 21), "joint command outside");
+}
+
+class PositionCheckersTest : public CheckersTest {
+ protected:
+  PositionCheckersTest() : CheckersTest("falcon_cue") {}
+};
+
+TEST_F(PositionCheckersTest, RefuseForcesBeyondTheCapAndJumpsOfTheForce) {
+  EXPECT_EQ(verdict(master_, idle(master_)), "");
+  MasterTick m = idle(master_);
+  m.F_G.force.x() += 0.6;
+  EXPECT_EQ(verdict(master_, m).substr(0, 10), "force step");
+  m = idle(master_);
+  m.F_G.force.x() = 8.1;
+  EXPECT_NE(verdict(m, m), "");
+}
+
+class BoundaryCheckersTest : public CheckersTest {
+ protected:
+  BoundaryCheckersTest() : CheckersTest("twin_delta_guided") {}
+};
+
+TEST_F(BoundaryCheckersTest, RefuseABoundaryThatJumpsOrPushesTooHard) {
+  EXPECT_EQ(verdict(slave_, idle(slave_)), "");
+  SlaveTick s = idle(slave_);
+  s.out.F_E_M.force.y() += 0.6;
+  EXPECT_EQ(verdict(slave_, s).substr(0, 10), "force step");
+  s.out.F_E_M.force.y() += 8;
+  EXPECT_NE(verdict(s, s), "");
 }
 
 TEST_F(CheckersTest, RefuseJointCommandsThatLeapOrMoveWhileNotEngaged) {

@@ -56,7 +56,7 @@ struct Plant {
 
   static constexpr double Ts = 0.001;
   PositionControl control;
-  Vec3 p = Vec3(0, 0, 0.12), v = Vec3::Zero(), last = Vec3(0, 0.3 * 9.81, 0);
+  Vec3 p = Vec3(0, 0, 0.12), v = Vec3::Zero(), last = Vec3::Zero();
   TimePoint now{};
   LimitSet set = 0;
   double biggest_step = 0;
@@ -101,7 +101,7 @@ TEST(PositionControl, AHandPushesTheGripThroughAtTheCapAndItComesBackAtTheSafeSp
   }
   const double drive = config.max_force - 0.3 * 9.81;
   EXPECT_LE(strongest, config.max_force + 1e-12);
-  EXPECT_NEAR(plant.last.x(), -drive, 1e-9) << "held at the cap";
+  EXPECT_NEAR(plant.last.x(), -drive, 1e-3) << "held at the cap";
   plant.p = away;
   double fastest = 0, beyond = 0;
   for (int k = 0; k < 6000; ++k) {
@@ -131,7 +131,7 @@ TEST(PositionControl, ParksWhileTheClutchIsHeldAndReturnsAfterwards) {
 TEST(PositionControl, TheCueShiftsTheTargetAwayFromADangerAndBack) {
   PositionControlConfig config;
   config.danger_cue.emplace();
-  config.danger_cue->script = {{milliseconds(500), milliseconds(300), Vec3(0, 0, -0.5)}};
+  config.danger_cue->script = {{milliseconds(600), milliseconds(300), Vec3(0, 0, -0.5)}};
   PositionControl control(config, 0.001);
   const Vec3 p(0, 0, 0.12);
   LimitSet set = 0;
@@ -146,9 +146,9 @@ TEST(PositionControl, TheCueShiftsTheTargetAwayFromADangerAndBack) {
     return Vec3(control.target() - p);
   };
   // The grip is held still: what the hand feels is the stretched spring, kp times the shift.
-  EXPECT_NEAR((run(250, Vec3(3, 0, 0)) - Vec3(-0.02, 0, 0)).norm(), 0, 1e-15);
+  EXPECT_NEAR((run(300, Vec3(3, 0, 0)) - Vec3(-0.02, 0, 0)).norm(), 0, 1e-15);
   EXPECT_NEAR(last.x(), -150 * 0.02, 0.1);
-  EXPECT_EQ(run(250, Vec3::Zero()), Vec3::Zero());
+  EXPECT_EQ(run(300, Vec3::Zero()), Vec3::Zero());
   EXPECT_NEAR((run(200, Vec3::Zero()) - Vec3(0, 0, 0.01)).norm(), 0, 1e-15);
   EXPECT_NEAR(run(250, Vec3::Constant(NAN)).norm(), 0, 1e-15);
 }
