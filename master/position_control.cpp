@@ -67,10 +67,11 @@ void PositionControl::shift(TimePoint now, const Vec3& danger_M) noexcept {
 Vec3 PositionControl::pid(const Vec3& p_MH, LimitSet& set) noexcept {
   Vec3 f;
   for (int i = 0; i < 3; ++i) {
-    const double I = state_[i].I;
+    const PidState before = state_[i];
     f[i] = farhand::step(pid_, state_[i], target_[i], p_MH[i]);
     if (state_[i].saturated) set |= kLimitSaturated;
-    if (config_.safe && pid_.kp * std::abs(state_[i].e) > kIntegralShare * drive_) state_[i].I = I;
+    if (config_.safe && pid_.kp * std::abs(state_[i].e) > kIntegralShare * drive_)
+      state_[i].I = before.I, state_[i].I_lost = before.I_lost;
   }
   return f;
 }

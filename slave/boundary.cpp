@@ -57,6 +57,7 @@ void Boundary::couple(const Vec6& q) noexcept {
   inner_ = std::min(reach_min_, reach);
   outer_ = std::max(reach_max_, reach);
   post_ = std::min(config_.shoulder_margin, r);
+  sliding_ = false;
   if (r > 0) side_ = w.head<2>() / r;
 }
 

@@ -66,7 +66,6 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     const GuidanceConfig& g = *loop.master().config().guidance;
     const double push = fixture_force(g.fixtures[0], t.handle.X_MH.p, Vec3::Zero()).norm();
     e.fixture += rises(on && push > 0, fixture);
-    e.boundary += rises(on && t.in.coupled && (t.in.limits & kLimitWorkspace) != 0, boundary);
     Handle handle = TwinDeltaHandle{};
     HandlePose pose;
     update(handle, t.reading.theta, pose);
@@ -78,7 +77,10 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     e.strongest = std::max(e.strongest, f.norm());
     last = f;
   };
-  loop.on_slave = [&](const SlaveTick& t) { checkers.check(t); };
+  loop.on_slave = [&](const SlaveTick& t) {
+    checkers.check(t);
+    e.boundary += rises(t.coupled && (t.limits & kLimitWorkspace) != 0, boundary);
+  };
   loop.run();
   EXPECT_EQ(checkers.count(), 0u) << "seed " << seed;
   for (const Violation& v : checkers.first()) ADD_FAILURE() << v.at_s << " s: " << v.what;

@@ -203,6 +203,8 @@ TEST(Scenes, EveryOptionalStageCanBeLeftOut) {
        [](proto::Scene& s) {
          s.mutable_slave()->mutable_joint_pid()->clear_velocity_feedforward();
        }},
+      {"guidance", [](proto::Scene& s) { s.mutable_master()->clear_guidance(); }},
+      {"boundary", [](proto::Scene& s) { s.mutable_slave()->clear_boundary(); }},
       {"surfaces", [](proto::Scene& s) { s.mutable_slave()->mutable_sim_arm()->clear_surface(); }},
       {"operator",
        [](proto::Scene& s) { s.mutable_master()->mutable_sim_hand()->clear_operator_(); }},
