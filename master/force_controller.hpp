@@ -20,6 +20,9 @@ class ForceController {
   // F_env.
   const Wrench& step(const Wrench& F_env_G, const Wrench* F_user_G, LimitSet& set) noexcept;
 
+  // The motors gave nothing of the last command: the next one starts from zero, within its slew.
+  void let_go() noexcept { F_G_ = {}; }
+
  private:
   ForceControllerConfig config_;
   Wrench F_G_;  // last command

@@ -58,7 +58,10 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   tick_.F_G = position_ ? drive_to_target(now, danger_M) : wanted_wrench(slave);
   if (tick_.reading.ok && tick_.handle.status == Status::ok) {
     const MotorTorques motors = torque(handle_, tick_.handle, tick_.F_G);
-    if (motors.status != Status::ok) tick_.limits |= kLimitAcceptance;
+    if (motors.status != Status::ok) {
+      tick_.limits |= kLimitAcceptance;
+      if (force_) force_->let_go();
+    }
     tau = motors.tau;
   }
   tick_.tau = limit_motor_torques(

@@ -8,6 +8,7 @@ namespace farhand {
 namespace {
 
 constexpr double kJumpPerMs = 0.5;  // [N]
+constexpr int kReleaseTicks = 20;
 
 Scene shipped(const std::string& name) {
   return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
@@ -39,7 +40,7 @@ Vec3 force_from_torques(const MasterTick& t) {
 
 struct Events {
   int engaged = 0, clutched = 0, held_by_link = 0, recovered = 0;  // each time it came to be
-  int fixture = 0, boundary = 0, handle_limits = 0;
+  int fixture = 0, boundary = 0, handle_limits = 0, left_acceptance = 0;
   double largest_jump = 0;  // [N] from one tick to the next
   double strongest = 0;     // [N]
 };
@@ -55,7 +56,8 @@ Events watch(const Scene& scene, std::uint64_t seed) {
   Checkers checkers(loop);
   Events e;
   bool engaged = false, clutched = false, holding = false, fixture = false, boundary = false,
-       limits = false, lost = false;
+       limits = false, lost = false, outside = false;
+  int released = 0;
   Vec3 last = Vec3::Zero();
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
@@ -72,8 +74,10 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     e.handle_limits +=
         rises(on && edge_wrench(handle, pose, *g.handle_limits).force.norm() > 1, limits);
     const Vec3 f = force_from_torques(t);
-    if (!(t.limits & kLimitAcceptance))
-      e.largest_jump = std::max(e.largest_jump, (f - last).norm());
+    // Where no force is accepted the motors let go, within torque_rise_time_s.
+    released = (t.limits & kLimitAcceptance) != 0 ? kReleaseTicks : std::max(0, released - 1);
+    e.left_acceptance += rises(released > 0, outside);
+    if (released == 0) e.largest_jump = std::max(e.largest_jump, (f - last).norm());
     e.strongest = std::max(e.strongest, f.norm());
     last = f;
   };
@@ -105,6 +109,7 @@ TEST(Guidance, NoEventMakesTheForceJump) {
   Events all;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     Scene scene = shipped("twin_delta_guided");
+    scene.proto.mutable_slave()->mutable_boundary()->set_elbow_margin(0.8);  // near the start
     scene.proto.mutable_slave()->mutable_force_sensing();
     auto& arm = *scene.proto.mutable_slave()->mutable_sim_arm();
     arm.mutable_force_sensor();
@@ -175,21 +180,21 @@ TEST(Guidance, TheHandIsStrongerThanEveryWall) {
   EXPECT_LT(last_force, 0.1);
 }
 
-// 150 mm beyond the robot's reach the hand still feels no more than the boundary's cap; the robot
-// has stopped at its edge and follows again at once.
+// Far beyond the elbow's margin, where the arm would fold, the hand still feels no more than the
+// boundary's cap; the robot has stopped at its edge and follows again at once.
 TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
   Scene scene = shipped("twin_delta_guided");
   scene.proto.mutable_master()->clear_guidance();
   scene.proto.mutable_slave()->mutable_workspace()->set_rotation_lock(false);
   auto& boundary = *scene.proto.mutable_slave()->mutable_boundary();
-  boundary.set_elbow_margin(0.85);
+  boundary.set_elbow_margin(0.75);
   proto::Operator& o = hand(scene);
   o.mutable_motion()->clear_reach();
-  reach(*o.mutable_motion(), 1, 2, Vec3(-0.1, 0, 0));
-  reach(*o.mutable_motion(), 4, 2, Vec3(0.1, 0, 0));
+  reach(*o.mutable_motion(), 1, 2, Vec3(0.05, 0, 0));
+  reach(*o.mutable_motion(), 4, 2, Vec3(-0.05, 0, 0));
   Loopback loop(scene, {.duration_s = 7});
   Checkers checkers(loop);
-  double strongest = 0, least_cos = 1, furthest_y = 0, end_error = 1, back_at = 0;
+  double strongest = 0, least_cos = 1, end_error = 1, back_at = 0;
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
     strongest = std::max(strongest, force_from_torques(t).norm());
@@ -198,7 +203,6 @@ TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
     checkers.check(t);
     const ArmKinematics at = kinematics(loop.slave()->config().arm, t.q_cmd);
     least_cos = std::min(least_cos, at.singularity.elbow);
-    furthest_y = std::max(furthest_y, t.X_SE_target.p.y());
     const double wish_to_target =
         (loop.slave()->workspace().X_SE_target.p - t.X_SE_target.p).norm();
     if (wish_to_target > 1e-9) back_at = seconds(t.now - loop.start());
@@ -208,13 +212,12 @@ TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
   EXPECT_EQ(checkers.count(), 0u);
   std::printf("at the elbow's margin: felt %.2f N at most, least cos q3 %.4f\n", strongest,
               least_cos);
-  EXPECT_NEAR(least_cos, 0.85, 1e-6);
+  EXPECT_NEAR(least_cos, 0.75, 1e-6);
   EXPECT_LE(strongest, 8 + 1e-6);
   EXPECT_GT(strongest, 7.9);
   EXPECT_GT(back_at, 4);
   EXPECT_LT(back_at, 6);
   EXPECT_LT(end_error, 0.002);
-  EXPECT_GT(furthest_y, 0.33);
 }
 
 // With the orientation kept, the handle's turns never reach the tool, over clutching and all.
@@ -270,7 +273,7 @@ TEST(PositionControl, TheCueIsFeltWithinBoundsAndAStrongerHandIsObeyed) {
     }
     if (s > 6 && s < 7) r.shift_left = (t.p_MH_target - set_point).x();
     if (s > 9 && s < 11) r.pushed = std::max(r.pushed, off);
-    if (s > 10.6 && s < 13.9) r.fastest_return = std::max(r.fastest_return, speed);
+    if (s > 9 && s < 13.9) r.fastest_return = std::max(r.fastest_return, -state.v_MH.x());
     if (s < 13.9) r.at_return = (state.p_MH - set_point).norm();
     if (s < 17) r.at_park = (state.p_MH - park).norm();
     r.at_end = (state.p_MH - set_point).norm();
@@ -290,7 +293,9 @@ TEST(PositionControl, TheCueIsFeltWithinBoundsAndAStrongerHandIsObeyed) {
   EXPECT_LE(r.felt_front, 3.5);
   EXPECT_LE(r.fastest_travel, 0.1);
   EXPECT_GT(r.pushed, 0.03);
-  EXPECT_LE(r.fastest_return, 0.1);
+  // The hand's own spring helps: at the safe speed the motors' share is nothing but a damper.
+  const double hand_pull = 20 * r.pushed, damper = (8 - 0.3 * 9.81) / 0.1 + 8;
+  EXPECT_LE(r.fastest_return, 0.1 + hand_pull / damper);
   EXPECT_LE(r.at_return, 0.003);
   EXPECT_LE(r.at_park, 0.003);
   EXPECT_LE(r.at_end, 0.003);
