@@ -56,7 +56,9 @@ Vector clamp_scaled(const Vector& v, double max) noexcept {
 }
 
 // Limits of a wrench the hand feels, in handle axes: |force|, |torque|, |torque about the twist
-// axis z|, and their rates of change per tick.
+// axis z|, and their rates of change per tick. The twist goes from nothing to its limit in the time
+// the torque takes to its own: at the same rate the motors' own slew limit would hold all else
+// back.
 struct WrenchLimits {
   double force = 0;         // [N]
   double torque = 0;        // [N m]
@@ -76,11 +78,13 @@ inline Wrench limit_wrench(const WrenchLimits& limits, Wrench wanted, const Wren
   F.torque = clamp_norm(F.torque, limits.torque);
   if (F.force != wanted.force || F.torque != wanted.torque) set |= kLimitForce;
   const Vec3 df = F.force - last.force, dm = F.torque - last.torque;
-  if (df.squaredNorm() > limits.force_step * limits.force_step ||
-      dm.squaredNorm() > limits.torque_step * limits.torque_step) {
+  const double twist_weight =
+      limits.twist_torque > 0 ? std::max(1.0, limits.torque / limits.twist_torque) : 1;
+  const double turn = Vec3(dm.x(), dm.y(), twist_weight * dm.z()).norm();
+  if (df.squaredNorm() > limits.force_step * limits.force_step || turn > limits.torque_step) {
     set |= kLimitSlew;
     F.force = last.force + clamp_norm(df, limits.force_step);
-    F.torque = last.torque + clamp_norm(dm, limits.torque_step);
+    F.torque = last.torque + (turn > limits.torque_step ? limits.torque_step / turn : 1.0) * dm;
   }
   return F;
 }

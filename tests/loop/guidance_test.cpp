@@ -190,8 +190,8 @@ TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
   boundary.set_elbow_margin(0.75);
   proto::Operator& o = hand(scene);
   o.mutable_motion()->clear_reach();
-  reach(*o.mutable_motion(), 1, 2, Vec3(0.05, 0, 0));
-  reach(*o.mutable_motion(), 4, 2, Vec3(-0.05, 0, 0));
+  reach(*o.mutable_motion(), 1, 2, Vec3(0.058, 0, 0));
+  reach(*o.mutable_motion(), 4, 2, Vec3(-0.058, 0, 0));
   Loopback loop(scene, {.duration_s = 7});
   Checkers checkers(loop);
   double strongest = 0, least_cos = 1, end_error = 1, back_at = 0;
