@@ -13,10 +13,10 @@ namespace farhand {
 
 struct DeviceFeedforwardConfig {
   double gravity = 1;
-  double damping = 0.8;
-  double friction = 0.8;
-  double inertia = 0.7;
-  double friction_lead = 0.0015;  // [s]
+  double damping = 0.9;
+  double friction = 0.9;
+  double inertia = 0.8;
+  double friction_lead = 0.0025;  // [s]
 };
 
 class DeviceFeedforward {

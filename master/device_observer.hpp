@@ -7,7 +7,7 @@
 //
 // v comes from the first: what acts is known before it moves anything, so v hardly lags (d is the
 // load the model does not explain). a comes from the second: taken from the first it would feed
-// the motors' own command back. Delay of a at low frequency: 3 / (2 pi f), 60 ms at 8 Hz.
+// the motors' own command back. Delay of a at low frequency: 3 / (2 pi f), 24 ms at 20 Hz.
 #pragma once
 
 #include "master/device_model.hpp"
@@ -15,8 +15,8 @@
 namespace farhand {
 
 struct DeviceObserverConfig {
-  double velocity_hz = 15;     // > 0
-  double acceleration_hz = 8;  // > 0
+  double velocity_hz = 25;      // > 0
+  double acceleration_hz = 20;  // > 0
 };
 
 struct DeviceMotion {

@@ -104,7 +104,7 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options, Recordin
     digest.add(t.tau);
     p_MH = t.handle.X_MH.p;
     const auto user = true_user(loop.device(), t.handle.R_MG);
-    if (user && t.mode == Mode::engaged && t.in.coupled)
+    if (user && t.mode == Mode::engaged && t.coupled)
       (t.F_env_G.force.norm() > kContactForce ? out.user_to_environment_contact
                                               : out.user_to_environment_free)
           .add(*user - t.F_env_G);
