@@ -72,6 +72,7 @@ void master_rules(Rules& r) {
       r, "guidance", [](const M& m) { return m.has_guidance() && !m.has_force_feedback(); },
       "is felt through force_feedback, which is missing", "add force_feedback {}");
   below_half_the_rate<M>(r, "velocity_cutoff_hz");
+  not_on_falcon<M>(r, {"force_sensing"});
 
   using F = proto::ForceFeedback;
   rule<F>(
@@ -103,6 +104,64 @@ void guidance_rules(Rules& r) {
   not_on_falcon<proto::Workspace>(r, {"rotation_lock"});
   using B = proto::Boundary;
   not_on_falcon<B>(r, {"max_torque_newton_meter", "max_torque_rate_newton_meter_per_s"});
+}
+
+void force_control_rules(Rules& r) {
+  using F = proto::ForceFeedback;
+  rule<F>(
+      r, "closed_loop",
+      [](const Scene& s, const F& f) {
+        return f.has_closed_loop() && s.master().has_twin_delta() &&
+               !s.master().has_force_sensing();
+      },
+      "has no measured force to close on", "add force_sensing {} to the master, or remove it");
+  rule<F>(
+      r, "closed_loop",
+      [](const Scene& s, const F& f) {
+        return f.has_closed_loop() && s.master().has_falcon() && !f.has_disturbance_observer();
+      },
+      "has no force to close on, since a Falcon senses none",
+      "add device_model {} and disturbance_observer {}, which estimate it, or remove it");
+  const auto needs_model = [&r](const char* name, bool (F::*has)() const) {
+    rule<F>(
+        r, name, [has](const F& f) { return (f.*has)() && !f.has_device_model(); },
+        "knows nothing of the handle", "add device_model {}, or remove it");
+  };
+  needs_model("device_feedforward", &F::has_device_feedforward);
+  needs_model("contact_damping", &F::has_contact_damping);
+  needs_model("disturbance_observer", &F::has_disturbance_observer);
+  rule<F>(
+      r, "disturbance_observer",
+      [](const Scene& s, const F& f) {
+        return f.has_disturbance_observer() && s.master().has_twin_delta() &&
+               !s.master().has_force_sensing();
+      },
+      "would take the user for a disturbance", "add force_sensing {} to the master, or remove it");
+
+  using C = proto::ClosedLoop;
+  below_half_the_rate<C>(r, "cutoff_hz");
+  below_half_the_rate<proto::ForceGains>(r, "derivative_cutoff_hz");
+  each<C>(
+      r, "axis",
+      [](const C& c, int i) {
+        for (int j = 0; j < i; ++j)
+          if (c.axis(j).axis() == c.axis(i).axis()) return true;
+        return false;
+      },
+      "names an axis a second time", "give each axis once");
+  not_on_falcon<C>(r, {"torque", "twist"});
+
+  using M = proto::DeviceModel;
+  rule<M>(
+      r, "motor_delay_ms",
+      [](const Scene& s, const M& m) { return m.motor_delay_ms() * 1e-3 * s.rate_hz() > 7.5; },
+      "is more than seven ticks", "lower it, or lower the scene's rate_hz");
+  not_on_falcon<M>(
+      r, {"rotation_inertia_kg_m2", "rotation_damping_newton_m_s", "rotation_friction_newton_m",
+          "twist_inertia_kg_m2", "twist_damping_newton_m_s"});
+  not_on_falcon<proto::ContactDamping>(
+      r, {"rotation_damping_newton_m_s", "twist_damping_newton_m_s", "torque_newton_meter"});
+  not_on_falcon<proto::DisturbanceObserver>(r, {"share"});
 }
 
 void position_control_rules(Rules& r) {
@@ -199,7 +258,7 @@ void hand_rules(Rules& r) {
   not_on_falcon<H>(
       r, {"rotation_inertia_kg_m2", "rotation_damping_newton_m_s", "rotation_friction_newton_m",
           "twist_inertia_kg_m2", "twist_damping_newton_m_s", "force_noise_newton",
-          "torque_noise_newton_meter"});
+          "sensor_bias_newton", "grip_mass_kg"});
 
   using O = proto::Operator;
   not_on_falcon<O>(r, {"rotation_stiffness_newton_m_per_rad", "rotation_damping_newton_m_s",
@@ -277,6 +336,7 @@ void add_master_rules(SceneRules& rules) {
   scene_rules(rules);
   master_rules(rules);
   guidance_rules(rules);
+  force_control_rules(rules);
   position_control_rules(rules);
   hand_rules(rules);
   motion_rules(rules);

@@ -5,7 +5,9 @@
 #include <filesystem>
 
 #include "common/scene_values.hpp"
+#include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
+#include "master/build_values.hpp"
 
 namespace farhand {
 namespace {
@@ -39,15 +41,6 @@ TwinDeltaGeometry twin_delta(const proto::TwinDelta& t) {
 double max_motor_torque(const proto::Master& m) {
   return m.has_falcon() ? m.falcon().max_motor_torque_newton_meter()
                         : m.twin_delta().max_motor_torque_newton_meter();
-}
-
-ForceFeedbackConfig force_feedback(const proto::ForceFeedback& f, double Ts) {
-  return {.compensation = {.hold = milliseconds(f.hold_ms()), .fade = milliseconds(f.fade_ms())},
-          .controller = {.limits = {.force = f.max_force_newton(),
-                                    .torque = f.max_torque_newton_meter(),
-                                    .twist_torque = f.max_twist_torque_newton_meter(),
-                                    .force_step = f.max_force_rate_newton_per_s() * Ts,
-                                    .torque_step = f.max_torque_rate_newton_meter_per_s() * Ts}}};
 }
 
 PositionControlConfig position_control(const proto::PositionControl& p, double Ts) {
@@ -123,10 +116,13 @@ MasterConfig master_config(const proto::Scene& scene) {
                  .velocity_cutoff_hz = m.velocity_cutoff_hz(),
                  .max_motor_torque = max_motor_torque(m)};
   if (m.has_falcon())
-    c.handle = FalconHandle{falcon(m.falcon()), {}};
+    c.handle = FalconHandle{.geometry = falcon(m.falcon())};
   else
-    c.handle = TwinDeltaHandle{twin_delta(m.twin_delta()), {}};
-  if (m.has_force_feedback()) c.force_feedback = force_feedback(m.force_feedback(), c.Ts);
+    c.handle = TwinDeltaHandle{.geometry = twin_delta(m.twin_delta())};
+  if (m.has_force_sensing())
+    c.force_sensing = {.bias = end_forces(m.force_sensing().bias_newton()),
+                       .grip_mass = m.force_sensing().grip_mass_kg()};
+  if (m.has_force_feedback()) c.force_feedback = force_feedback_config(m, c.Ts);
   if (m.has_position_control()) c.position_control = position_control(m.position_control(), c.Ts);
   if (m.has_guidance()) c.guidance = guidance(m.guidance());
   return c;
@@ -157,6 +153,10 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   std::vector<std::string> out;
   out.push_back(fmt::format("device            read sim_hand at {:g} Hz", scene.rate_hz()));
   out.push_back(fmt::format("handle            {}: forward kinematics, velocity", handle));
+  if (m.has_force_sensing())
+    out.push_back(
+        fmt::format("force_sensing     user's wrench from both ends, bias and {:g} kg removed",
+                    m.force_sensing().grip_mass_kg()));
   if (scene.has_slave())
     out.push_back("link              send the handle's pose; await the answer");
   if (m.has_force_feedback()) {
@@ -165,8 +165,7 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
     if (m.has_guidance())
       out.push_back(fmt::format("guidance          fixtures: {}{}", m.guidance().fixture_size(),
                                 m.guidance().has_handle_limits() ? ", handle limits" : ""));
-    out.push_back(fmt::format("force_controller  open-loop reflection, at most {:g} N",
-                              m.force_feedback().max_force_newton()));
+    for (std::string& line : force_stages(m)) out.push_back(std::move(line));
   }
   if (m.has_position_control()) out.push_back(position_control_stage(m.position_control()));
   if (m.has_force_feedback() || m.has_position_control())

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "common/scene_values.hpp"
+#include "master/build_values.hpp"
 
 namespace farhand {
 namespace {
@@ -106,7 +107,8 @@ SimHandConfig sim_hand_config(const Scene& scene, const std::optional<std::strin
   if (h.start_position_m_size() == 3) c.start_p_MH = vec3(h.start_position_m());
   c.encoder_step = h.encoder_step_rad();
   c.force_noise = h.force_noise_newton();
-  c.torque_noise = h.torque_noise_newton_meter();
+  c.sensor_bias = end_forces(h.sensor_bias_newton());
+  c.grip_mass = h.grip_mass_kg();
   c.rate = h.rate_hz();
   return c;
 }

@@ -62,7 +62,7 @@ Wrench guide(const GuidanceConfig& config, const Handle& handle, const HandlePos
   Vec3 f_M = Vec3::Zero();
   for (const Fixture& f : config.fixtures) f_M += fixture_force(f, pose.X_MH.p, V_MH.linear);
   Wrench F_G{.force = pose.R_MG.transpose() * f_M};
-  if (config.handle_limits) F_G = F_G + edge_wrench(handle, pose, *config.handle_limits);
+  if (config.handle_limits) F_G = F_G + edge_wrench(handle, *config.handle_limits);
   return F_G;
 }
 

@@ -52,7 +52,8 @@ struct GuidanceConfig {
 // Force of one fixture on the hand [N], M axes, from position and velocity of the grip.
 Vec3 fixture_force(const Fixture& fixture, const Vec3& p_MH, const Vec3& v_MH) noexcept;
 
-// Wrench of all of it on the hand, at H, handle axes. Zero unless the pose is ok.
+// Wrench of all of it on the hand, at H, handle axes; the handle as map_forces() left it. Zero
+// unless the pose is ok.
 Wrench guide(const GuidanceConfig& config, const Handle& handle, const HandlePose& pose,
              const Twist& V_MH) noexcept;
 

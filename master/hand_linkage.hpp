@@ -56,6 +56,8 @@ class HandLinkage<TwinDeltaGeometry> {
   const Vec6& theta() const noexcept { return theta_; }
   const Mat3& R_MG() const noexcept { return J_.R_MG; }
   HandLoad motors(const Vec6& tau) const noexcept;
+  // What the sensors at the ends of the grip feel of the user's wrench.
+  EndForces ends(const Wrench& F_user_G) const noexcept { return end_forces(J_, F_user_G); }
 
  private:
   TwinDeltaGeometry g_;

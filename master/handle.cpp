@@ -11,17 +11,23 @@ void FalconHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
   if (at.status == Status::ok) pose.X_MH.p = at.p_MH;
 }
 
-MotorTorques FalconHandle::torque(const HandlePose&, const Wrench& F_G) const noexcept {
-  const FalconJacobian J = jacobian(geometry, at);
-  if (!accepted(geometry, J))
-    return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
-  MotorTorques out{.status = Status::ok};
-  out.tau.head<3>() = farhand::torque(J, F_G.force);
-  return out;
+Status FalconHandle::map_forces(const HandlePose&) noexcept {
+  J = jacobian(geometry, at);
+  return J.status != Status::ok || accepted(geometry, J) ? J.status : Status::out_of_limits;
 }
 
-Wrench FalconHandle::edge_wrench(const HandlePose&, const WorkspaceEdge& edge) const noexcept {
-  return {.force = edge_force(geometry, at, jacobian(geometry, at), edge)};
+Vec6 FalconHandle::torque(const Wrench& F_G) const noexcept {
+  Vec6 tau = Vec6::Zero();
+  tau.head<3>() = farhand::torque(J, F_G.force);
+  return tau;
+}
+
+Wrench FalconHandle::wrench(const Vec6& tau) const noexcept {
+  return {.force = force(J, tau.head<3>())};
+}
+
+Wrench FalconHandle::edge_wrench(const WorkspaceEdge& edge) const noexcept {
+  return {.force = edge_force(geometry, at, J, edge)};
 }
 
 void TwinDeltaHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
@@ -29,20 +35,26 @@ void TwinDeltaHandle::update(const Vec6& theta, HandlePose& pose) noexcept {
   pose.status = at.status;
   if (at.status != Status::ok) return;
   pose.R_MG = handle_axes(at.pose.axis, pose.R_MG.col(0));
+  pose.twist = twist_angle(geometry, at.pose.length);
   pose.X_MH.R = handle_rotation(geometry, pose.R_MG, at.pose.length);
   pose.X_MH.p = at.pose.p_MH;
 }
 
-MotorTorques TwinDeltaHandle::torque(const HandlePose& pose, const Wrench& F_G) const noexcept {
-  const TwinDeltaJacobian J = jacobian(geometry, at, pose.R_MG);
-  if (!accepted(geometry, J))
-    return {.status = J.status == Status::ok ? Status::out_of_limits : J.status};
-  return {.status = Status::ok, .tau = farhand::torque(J, F_G)};
+Status TwinDeltaHandle::map_forces(const HandlePose& pose) noexcept {
+  J = jacobian(geometry, at, pose.R_MG);
+  return J.status != Status::ok || accepted(geometry, J) ? J.status : Status::out_of_limits;
 }
 
-Wrench TwinDeltaHandle::edge_wrench(const HandlePose& pose,
-                                    const WorkspaceEdge& edge) const noexcept {
-  return farhand::edge_wrench(geometry, at, jacobian(geometry, at, pose.R_MG), edge);
+Vec6 TwinDeltaHandle::torque(const Wrench& F_G) const noexcept {
+  return farhand::torque(J, F_G);
+}
+
+Wrench TwinDeltaHandle::wrench(const Vec6& tau) const noexcept {
+  return farhand::wrench(J, tau);
+}
+
+Wrench TwinDeltaHandle::edge_wrench(const WorkspaceEdge& edge) const noexcept {
+  return farhand::edge_wrench(geometry, at, J, edge);
 }
 
 HandleVelocity::HandleVelocity(double cutoff_hz, double Ts) noexcept

@@ -17,6 +17,7 @@
 
 #include "common/geometry.hpp"
 #include "common/time.hpp"
+#include "master/twin_delta.hpp"
 
 namespace farhand {
 
@@ -26,7 +27,9 @@ struct HandleReading {
   bool dead_man = false;      // pressed: the user wants motion and force
   bool clutch = false;        // pressed: the robot rests while the handle is moved back
   bool has_force = false;
-  Wrench F_user_G{};  // wrench the user exerts on the handle, at H, in handle axes G
+  // As the sensors at the two ends of a twin delta's grip read them: user on handle, each sensor's
+  // bias and the grip's weight included.
+  EndForces ends{};
 };
 
 template <typename Device>

@@ -4,9 +4,12 @@ namespace farhand {
 
 Master::Master(const MasterConfig& config)
     : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
-  if (config.force_feedback) force_.emplace(config.force_feedback->controller);
+  if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
+  if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
   if (config.position_control) position_.emplace(*config.position_control, config.Ts);
+  maps_forces_ = force_sensing_ || force_ || position_;
   tick_.out.force_wanted = force_.has_value();
+  tick_.user_estimated = force_ && force_->user_estimate() != nullptr;
   tick_.position_controlled = position_.has_value();
 }
 
@@ -16,6 +19,7 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   tick_.reading = reading;
   tick_.limits = kLimitNone;
   if (reading.ok) update(handle_, reading.theta, tick_.handle);
+  if (maps_forces_) sense_force();
   decide_mode(slave);
   count_presses();
   MasterToSlave& out = tick_.out;
@@ -24,6 +28,16 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
   return out;
+}
+
+void Master::sense_force() noexcept {
+  const bool read = tick_.reading.ok && tick_.handle.status == Status::ok;
+  forces_ = read ? map_forces(handle_, tick_.handle) : Status::not_finite;
+  tick_.user_felt = force_sensing_ && read && tick_.reading.has_force;
+  if (!tick_.user_felt) return;
+  const TwinDeltaJacobian& J = std::get_if<TwinDeltaHandle>(&handle_)->J;
+  tick_.user_felt = J.status == Status::ok;
+  tick_.F_user_G = force_sensing_->step(tick_.reading.ends, J);
 }
 
 void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
@@ -56,17 +70,16 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 
   Vec6 tau = Vec6::Zero();
   tick_.F_G = position_ ? drive_to_target(now, danger_M) : wanted_wrench(slave);
-  if (tick_.reading.ok && tick_.handle.status == Status::ok) {
-    const MotorTorques motors = torque(handle_, tick_.handle, tick_.F_G);
-    if (motors.status != Status::ok) {
-      tick_.limits |= kLimitAcceptance;
-      if (force_) force_->let_go();
-    }
-    tau = motors.tau;
+  if (forces_ == Status::ok) {
+    tau = torque(handle_, tick_.F_G);
+  } else if (tick_.reading.ok && tick_.handle.status == Status::ok) {
+    tick_.limits |= kLimitAcceptance;
+    if (force_) force_->let_go();
   }
   tick_.tau = limit_motor_torques(
       config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,
       tau, tick_.tau, tick_.limits);
+  if (force_ && force_->closes()) F_given_G_ = wrench(handle_, tick_.tau);
   return tick_;
 }
 
@@ -93,8 +106,15 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
-  return force_->step(tick_.F_env_G, tick_.reading.has_force ? &tick_.reading.F_user_G : nullptr,
-                      tick_.limits);
+  const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;
+  const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,
+                                   .F_user_G = tick_.user_felt ? &tick_.F_user_G : nullptr,
+                                   .handle = measured ? &tick_.handle : nullptr,
+                                   .F_given_G = F_given_G_,
+                                   .engaged = tick_.mode == Mode::engaged},
+                                  tick_.limits);
+  if (force_->user_estimate() != nullptr) tick_.F_user_G = *force_->user_estimate();
+  return F_G;
 }
 
 }  // namespace farhand

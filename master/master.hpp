@@ -13,6 +13,7 @@
 #include "common/wire.hpp"
 #include "master/compensation.hpp"
 #include "master/force_controller.hpp"
+#include "master/force_sensing.hpp"
 #include "master/guidance.hpp"
 #include "master/handle.hpp"
 #include "master/haptic_device.hpp"
@@ -33,6 +34,7 @@ struct MasterConfig {
   double max_motor_torque = 3;  // [N m]
   double torque_rise_time_s =
       0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
+  std::optional<HandleForceSensingConfig> force_sensing;  // twin delta only
   std::optional<ForceFeedbackConfig> force_feedback;
   std::optional<PositionControlConfig> position_control;
   std::optional<GuidanceConfig> guidance;  // felt through force_feedback
@@ -43,6 +45,9 @@ struct MasterTick {
   TimePoint now{};
   HandleReading reading;
   HandlePose handle;
+  bool user_felt = false;       // F_user_G is this tick's, from the sensors
+  bool user_estimated = false;  // F_user_G is the estimate of a handle without sensors
+  Wrench F_user_G;              // user on handle in handle axes, bias and the grip's weight removed
   Mode mode = Mode::idle;
   MasterToSlave out;
   Duration age = Duration::max();  // of the slave's message acted upon; max before the first
@@ -76,14 +81,19 @@ class Master {
  private:
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   void count_presses() noexcept;
+  void sense_force() noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 
   MasterConfig config_;
   Handle handle_;
   HandleVelocity velocity_;
+  std::optional<HandleForceSensing> force_sensing_;
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;
+  bool maps_forces_ = false;  // some stage needs the map between wrenches and motors
+  Status forces_ = Status::not_finite;
+  Wrench F_given_G_;  // of the motors' torques written last
   MasterTick tick_;
 };
 

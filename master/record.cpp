@@ -23,8 +23,8 @@ void fill_reading(record::MasterRecord& to, const HandleReading& from, int motor
   to.set_has_force(from.has_force);
   append(to.mutable_theta_rad(), std::span(from.theta.data(), static_cast<std::size_t>(motors)));
   if (!from.has_force) return;
-  append(to.mutable_user_force_g_n(), from.F_user_G.force);
-  append(to.mutable_user_torque_g_nm(), from.F_user_G.torque);
+  append(to.mutable_upper_sensor_force_m_n(), from.ends.f_E1_M);
+  append(to.mutable_lower_sensor_force_a2_n(), from.ends.f_E2_A2);
 }
 
 void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
@@ -34,6 +34,11 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
   append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
   append(to.mutable_handle_angular_velocity_m_rad_per_s(), from.out.V_MH.angular);
   if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
+  to.set_user_estimated(from.user_estimated);
+  if (from.user_felt || from.user_estimated) {
+    append(to.mutable_user_force_g_n(), from.F_user_G.force);
+    append(to.mutable_user_torque_g_nm(), from.F_user_G.torque);
+  }
   append(to.mutable_environment_force_g_n(), from.F_env_G.force);
   append(to.mutable_environment_torque_g_nm(), from.F_env_G.torque);
   append(to.mutable_force_g_n(), from.F_G.force);
@@ -63,8 +68,8 @@ HandleReading handle_reading(const record::MasterRecord& from) noexcept {
   out.ok &= take(from.theta_rad(), out.theta.data(), kFalconMotors) ||
             take(from.theta_rad(), out.theta.data(), kTwinDeltaMotors);
   if (out.has_force)
-    out.ok &= take(from.user_force_g_n(), out.F_user_G.force.data(), 3) &&
-              take(from.user_torque_g_nm(), out.F_user_G.torque.data(), 3);
+    out.ok &= take(from.upper_sensor_force_m_n(), out.ends.f_E1_M.data(), 3) &&
+              take(from.lower_sensor_force_a2_n(), out.ends.f_E2_A2.data(), 3);
   return out;
 }
 

@@ -94,7 +94,7 @@ HandleReading SimHand<Geometry>::read(TimePoint now) noexcept {
                     .has_force = linkage_.kRotates && config_.force_sensor};
   for (int i = 0; i < linkage_.kMotors; ++i)
     out.theta[i] = rounded(truth_.theta[i], config_.encoder_step);
-  if (out.has_force) out.F_user_G = sense_force();
+  if (out.has_force) out.ends = sense_ends();
   return out;
 }
 
@@ -229,15 +229,22 @@ bool SimHand<Geometry>::pressed(Button button) const noexcept {
 }
 
 template <typename Geometry>
-Wrench SimHand<Geometry>::sense_force() noexcept {
-  const Mat3 R_GM = linkage_.R_MG().transpose();
-  Wrench F{.force = R_GM * truth_.user.force, .torque = R_GM * truth_.user.moment};
-  F.torque.z() += truth_.user.twist;
+EndForces SimHand<Geometry>::sense_ends() noexcept {
+  EndForces ends = config_.sensor_bias;
+  if constexpr (HandLinkage<Geometry>::kRotates) {
+    constexpr double kGravity = 9.81;
+    const Mat3 R_GM = linkage_.R_MG().transpose();
+    const Vec3 grip_M = config_.grip_mass * kGravity * plant_.down_M;
+    Wrench F{.force = R_GM * (truth_.user.force + grip_M), .torque = R_GM * truth_.user.moment};
+    F.torque.z() += truth_.user.twist;
+    const EndForces felt = linkage_.ends(F);
+    ends.f_E1_M += felt.f_E1_M;
+    ends.f_E2_A2 += felt.f_E2_A2;
+  }
   if (config_.force_noise > 0)
-    for (double& f : F.force) f += config_.force_noise * random_.normal();
-  if (config_.torque_noise > 0)
-    for (double& m : F.torque) m += config_.torque_noise * random_.normal();
-  return F;
+    for (Vec3* f : {&ends.f_E1_M, &ends.f_E2_A2})
+      for (double& x : *f) x += config_.force_noise * random_.normal();
+  return ends;
 }
 
 template class SimHand<FalconGeometry>;

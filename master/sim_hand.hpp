@@ -49,8 +49,10 @@ struct SimHandConfig {
   double encoder_step = 1.3e-4;      // [rad] of a motor joint; 0: ideal
   double max_motor_torque = 3.0;     // [N m] > 0, the vector is scaled as a whole
   bool force_sensor = true;          // in a handle that rotates; a Falcon has none
-  double force_noise = 0.03;         // [N] standard deviation, each axis
-  double torque_noise = 0.001;       // [N m]
+  double force_noise = 0.0212;       // [N] standard deviation, each axis of either end's sensor
+  EndForces sensor_bias{};           // [N] of the same
+  double grip_mass = 0;              // [kg] whose weight the sensors feel, centred at H; that
+                                     // weight is part of the device's, its inertia of the hand's
   double rate = 5000;                // [Hz] steps of the plant
   std::uint64_t seed = 1;
 };
@@ -89,7 +91,7 @@ class SimHand {
   HandCourse wish_at(double t) const noexcept;
   Vec3 push_at(double t) const noexcept;
   bool pressed(Button button) const noexcept;
-  Wrench sense_force() noexcept;
+  EndForces sense_ends() noexcept;
 
   HandLinkage<Geometry> linkage_;
   SimHandConfig config_;

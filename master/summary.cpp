@@ -10,9 +10,8 @@ void MasterSummary::add(const MasterTick& t) noexcept {
   if (t.mode != Mode::engaged) return;
   worst_age = std::max(worst_age, t.age);
   const bool touching = t.F_env_G.force.norm() > kContactForce;
-  if (t.reading.has_force)
-    (touching ? force_contact : force_free)
-        .add((t.reading.F_user_G.force - t.F_env_G.force).norm());
+  if (t.user_felt)
+    (touching ? force_contact : force_free).add((t.F_user_G.force - t.F_env_G.force).norm());
   force_felt.add(t.F_G.force.norm());
 }
 

@@ -44,7 +44,8 @@ void Checkers::check(const MasterTick& t) {
   if (c.position_control) check_position_control(t);
   master_mode_ = t.mode;
   motor_tau_ = t.tau;
-  F_G_ = t.F_G;
+  // Where no force is accepted none was given.
+  F_G_ = (t.limits & kLimitAcceptance) != 0 ? Wrench{} : t.F_G;
 }
 
 void Checkers::check_handle(const MasterTick& t) {

@@ -71,8 +71,8 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     Handle handle = TwinDeltaHandle{};
     HandlePose pose;
     update(handle, t.reading.theta, pose);
-    e.handle_limits +=
-        rises(on && edge_wrench(handle, pose, *g.handle_limits).force.norm() > 1, limits);
+    map_forces(handle, pose);
+    e.handle_limits += rises(on && edge_wrench(handle, *g.handle_limits).force.norm() > 1, limits);
     const Vec3 f = force_from_torques(t);
     // Where no force is accepted the motors let go, within torque_rise_time_s.
     released = (t.limits & kLimitAcceptance) != 0 ? kReleaseTicks : std::max(0, released - 1);

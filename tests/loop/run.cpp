@@ -60,6 +60,21 @@ Vec3 true_handle(const AnyDevice& device, const Vec3& measured) {
       device);
 }
 
+// What the user truly exerts on the handle, in handle axes; nothing of a device that does not know.
+std::optional<Wrench> true_user(const AnyDevice& device, const Mat3& R_MG) {
+  return std::visit(
+      [&](const auto& d) -> std::optional<Wrench> {
+        if constexpr (requires { d.truth(); }) {
+          const HandLoad& user = d.truth().user;
+          Wrench F = R_MG.transpose() * Wrench{user.force, user.moment};
+          F.torque.z() += user.twist;
+          return F;
+        }
+        return {};
+      },
+      device);
+}
+
 // Where the handle's true position asks the tool to be, by the references the slave took.
 Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
   const WorkspaceState& w = slave.workspace();
@@ -88,6 +103,11 @@ RunResult run_scene(const Scene& scene, const LoopbackOptions& options, Recordin
     digest.add(t.reading.theta);
     digest.add(t.tau);
     p_MH = t.handle.X_MH.p;
+    const auto user = true_user(loop.device(), t.handle.R_MG);
+    if (user && t.mode == Mode::engaged && t.coupled)
+      (t.F_env_G.force.norm() > kContactForce ? out.user_to_environment_contact
+                                              : out.user_to_environment_free)
+          .add(*user - t.F_env_G);
     if (t.position_controlled)
       settling.add(seconds(t.now - loop.start()), t.p_MH_target - true_handle(loop.device(), p_MH));
     if (master_recording) master_recording->add({t, {}, loop.master_status()});

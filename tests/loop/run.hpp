@@ -22,6 +22,14 @@ struct Settling {
   double peak_m = 0;
 };
 
+// Each axis of a wrench on its own: force x y z [N], torque x y z [N m].
+struct WrenchRms {
+  std::array<Rms, 6> axes;
+  void add(const Wrench& F) noexcept {
+    for (int i = 0; i < 3; ++i) axes[i].add(F.force[i]), axes[i + 3].add(F.torque[i]);
+  }
+};
+
 struct RunResult {
   double simulated_s = 0;
   double wall_s = 0;
@@ -30,6 +38,9 @@ struct RunResult {
   // The true tool against where the true handle, at the same instant, asks it to be: servo and
   // network together. In a replay the measured handle stands for the true one.
   Rms handle_to_robot_free, handle_to_robot_contact;  // [m]
+  // What the user truly feels against what the environment gives, in handle axes, while coupled.
+  // Nothing in a replay.
+  WrenchRms user_to_environment_free, user_to_environment_contact;
   std::vector<Settling> settling;
   double peak_penetration = 0;  // [m]
   LinkCounters master_link, slave_link;

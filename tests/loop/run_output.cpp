@@ -17,6 +17,13 @@ std::string millimetres_row(const char* name, const Rms& e) {
                      e.peak * 1e3);
 }
 
+std::string wrench_row(const char* name, const WrenchRms& e) {
+  if (e.axes[0].count == 0) return {};
+  const auto rms = [&](std::size_t i) { return e.axes[i].value(); };
+  return fmt::format("  {:<11} {:6.3f} {:6.3f} {:6.3f} N rms  {:8.2f} {:6.2f} {:6.2f} mN m rms\n",
+                     name, rms(0), rms(1), rms(2), rms(3) * 1e3, rms(4) * 1e3, rms(5) * 1e3);
+}
+
 std::string settling_rows(const RunResult& r) {
   std::string out;
   for (const Settling& s : r.settling)
@@ -35,6 +42,12 @@ std::string link_row(const char* name, const LinkCounters& c) {
 
 Json json(const Rms& e) {
   return {{"rms", e.value()}, {"peak", e.peak}, {"samples", e.count}};
+}
+
+Json json(const WrenchRms& e) {
+  Json out = Json::array();
+  for (const Rms& axis : e.axes) out.push_back(json(axis));
+  return out;
 }
 
 Json json(const LimitCounts& limits) {
@@ -66,6 +79,9 @@ std::string to_text(const RunResult& r) {
            millimetres_row("in contact", r.handle_to_robot_contact);
     if (r.peak_penetration > 0)
       out += fmt::format("  deepest penetration    {:8.3f} mm\n", r.peak_penetration * 1e3);
+    const std::string user = wrench_row("free", r.user_to_environment_free) +
+                             wrench_row("in contact", r.user_to_environment_contact);
+    if (!user.empty()) out += "true F_u - F_e, x y z of the handle's axes\n" + user;
     out += "link\n" + link_row("master", r.master_link) + link_row("slave ", r.slave_link);
     if (r.quality.round_trip_known)
       out += fmt::format("  round trip {:.1f} us, jitter {:.1f} us, lost {}, reordered {}\n",
@@ -115,6 +131,8 @@ std::string to_json(const RunResult& r) {
                   {"link", json(r.slave_link)}};
   out["handle_to_robot_m"] = {{"free", json(r.handle_to_robot_free)},
                               {"contact", json(r.handle_to_robot_contact)}};
+  out["user_to_environment"] = {{"free", json(r.user_to_environment_free)},
+                                {"contact", json(r.user_to_environment_contact)}};
   return out.dump(2) + "\n";
 }
 

@@ -19,6 +19,7 @@ const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleRea
   const TwinDeltaForward at = forward(geometry, reading.theta);
   if (at.status != Status::ok) return record;
   handle.R_MG = handle_axes(at.pose.axis, handle.R_MG.col(0));
+  handle.twist = twist_angle(geometry, at.pose.length);
   handle.X_MH.R = handle_rotation(geometry, handle.R_MG, at.pose.length);
   handle.X_MH.p = at.pose.p_MH;
 

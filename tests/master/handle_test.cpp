@@ -27,9 +27,11 @@ TEST(Handle, GivesNoForceOutsideTheAcceptedWorkspace) {
   HandlePose at;
   update(handle, theta, at);
   ASSERT_EQ(at.status, Status::ok);
-  const MotorTorques motors = torque(handle, at, {Vec3(1, 0, 0), Vec3::Zero()});
-  EXPECT_EQ(motors.status, Status::out_of_limits);
-  EXPECT_EQ(motors.tau, Vec6::Zero());
+  EXPECT_EQ(map_forces(handle, at), Status::out_of_limits);
+  at.X_MH.p = Vec3(0, 0, 0.12);
+  theta.head<3>() = motor_angles(kFalconTable1, at.X_MH.p).theta1;
+  update(handle, theta, at);
+  EXPECT_EQ(map_forces(handle, at), Status::ok);
 }
 
 TEST(Handle, TheTwinDeltasTwistIsPartOfItsPose) {

@@ -35,7 +35,13 @@ HandleReading idle(SimHand<Geometry>& device, double from, double until) {
 }
 
 SimHandConfig quiet() {
-  return {.user = OperatorConfig{}, .encoder_step = 0, .force_noise = 0, .torque_noise = 0};
+  return {.user = OperatorConfig{}, .encoder_step = 0, .force_noise = 0};
+}
+
+// What the sensors read, as a wrench of the user at the handle.
+Wrench felt(const HandleReading& reading) {
+  const TwinDeltaForward at = forward(TwinDeltaGeometry{}, reading.theta);
+  return wrench(jacobian(TwinDeltaGeometry{}, at, handle_axes(at.pose.axis)), reading.ends);
 }
 
 // ---- the plant behind the seam
@@ -44,7 +50,7 @@ TEST(SimHand, TheWeightSagsIntoTheHandsSpring) {
   auto device = hand<TwinDeltaGeometry>(quiet());
   const HandleReading reading = idle(device, 0, 10);
   EXPECT_LT((device.truth().state.p_MH - Vec3(0.18, 0, -2.0 / 500)).norm(), 1e-9);
-  EXPECT_LT((reading.F_user_G.force - Vec3(0, 0, 2)).norm(), 1e-6);
+  EXPECT_LT((felt(reading).force - Vec3(0, 0, 2)).norm(), 1e-6);
   const TwinDeltaForward at = forward(TwinDeltaGeometry{}, reading.theta);
   EXPECT_LT((at.pose.p_MH - device.truth().state.p_MH).norm(), 1e-12);
 }
@@ -74,9 +80,9 @@ TEST(SimHand, MotorsPushTheHandleAgainstTheHandsSpring) {
           .norm(),
       1e-6);
   EXPECT_NEAR(truth.state.twist, 0.02 / 0.5, 1e-6);
-  const Wrench felt = device.read(kStart + 10s).F_user_G;
-  EXPECT_LT((felt.force + F_G.force).norm(), 1e-4);
-  EXPECT_LT((felt.torque + F_G.torque).norm(), 1e-5);
+  const Wrench F_user_G = felt(device.read(kStart + 10s));
+  EXPECT_LT((F_user_G.force + F_G.force).norm(), 1e-4);
+  EXPECT_LT((F_user_G.torque + F_G.torque).norm(), 1e-5);
 }
 
 TEST(SimHand, TheHandFollowsItsMotion) {
@@ -225,7 +231,6 @@ TEST(SimHand, EncodersReadWholeStepsNearestToTheTruth) {
 TEST(SimHand, TheForceSensorsNoiseHasItsStatisticsAndIsRepeatable) {
   SimHandConfig config = quiet();
   config.force_noise = 0.03;
-  config.torque_noise = 0.001;
   config.seed = 42;
   auto device = hand<TwinDeltaGeometry>(config), same = hand<TwinDeltaGeometry>(config);
   config.seed = 43;
@@ -234,17 +239,28 @@ TEST(SimHand, TheForceSensorsNoiseHasItsStatisticsAndIsRepeatable) {
   Vec6 sum = Vec6::Zero(), square = Vec6::Zero();
   int equal = 0;
   for (int i = 0; i < n; ++i) {  // no time passes: nothing but noise
-    const Wrench F = device.read(kStart).F_user_G;
-    ASSERT_EQ(F.force, same.read(kStart).F_user_G.force);
-    equal += F.force == other.read(kStart).F_user_G.force;
+    const EndForces ends = device.read(kStart).ends;
+    ASSERT_EQ(ends.f_E2_A2, same.read(kStart).ends.f_E2_A2);
+    equal += ends.f_E1_M == other.read(kStart).ends.f_E1_M;
     Vec6 x;
-    x << F.force / 0.03, F.torque / 0.001;
-    sum += x;
-    square += x.cwiseAbs2();
+    x << ends.f_E1_M, ends.f_E2_A2;
+    sum += x / 0.03;
+    square += (x / 0.03).cwiseAbs2();
   }
   EXPECT_EQ(equal, 0);
   EXPECT_LT((sum / n).cwiseAbs().maxCoeff(), 0.03) << "seed 42";
   EXPECT_LT((square / n - Vec6::Ones()).cwiseAbs().maxCoeff(), 0.05) << "seed 42";
+}
+
+TEST(SimHand, TheForceSensorsCarryTheGripAndHaveABias) {
+  SimHandConfig config = quiet();
+  config.sensor_bias = {Vec3(0.1, -0.2, 0.3), Vec3(-0.4, 0.5, 0.6)};
+  config.grip_mass = 0.2;
+  auto device = hand<TwinDeltaGeometry>(config);
+  const EndForces ends = device.read(kStart).ends;
+  const Vec3 half_M = -0.1 * 9.81 * Vec3::UnitZ();  // the lower sensor's z points down
+  EXPECT_LT((ends.f_E1_M - config.sensor_bias.f_E1_M - half_M).norm(), 1e-12);
+  EXPECT_LT((ends.f_E2_A2 - config.sensor_bias.f_E2_A2 + half_M).norm(), 1e-12);
 }
 
 TEST(SimHand, OnlyARotatingHandleWithItsSensorReportsForce) {
