@@ -75,6 +75,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   } else if (tick_.reading.ok && tick_.handle.status == Status::ok) {
     tick_.limits |= kLimitAcceptance;
     if (force_) force_->let_go();
+    if (position_) position_->let_go();
   }
   tick_.tau = limit_motor_torques(
       config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,

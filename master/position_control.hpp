@@ -69,6 +69,9 @@ class PositionControl {
   // Force of the grip on the hand in M [N].
   Vec3 step(TimePoint now, const PositionInput& in, LimitSet& set) noexcept;
 
+  // The motors gave nothing of the last force: in safe motion the next one comes up from zero.
+  void let_go() noexcept { last_force_.setZero(); }
+
   // What the PID tracks: the point on the way, shifted by the cue.
   const Vec3& target() const noexcept { return target_; }
 

@@ -259,7 +259,7 @@ TEST(PositionControl, TheCueIsFeltWithinBoundsAndAStrongerHandIsObeyed) {
   Checkers checkers(loop);
   CueRun r;
   Vec3 before_cue = Vec3::Zero();
-  const Vec3 set_point(0.02, 0, 0.115), park(0, -0.02, 0.1);
+  const Vec3 set_point(-0.02, 0, 0.115), park(0, -0.02, 0.1);
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
     const double s = seconds(t.now - loop.start());
