@@ -296,9 +296,11 @@ TEST(PositionControl, TheCueIsFeltWithinBoundsAndAStrongerHandIsObeyed) {
   // The hand's own spring helps: at the safe speed the motors' share is nothing but a damper.
   const double hand_pull = 20 * r.pushed, damper = (8 - 0.3 * 9.81) / 0.1 + 8;
   EXPECT_LE(r.fastest_return, 0.1 + hand_pull / damper);
-  EXPECT_LE(r.at_return, 0.003);
-  EXPECT_LE(r.at_park, 0.003);
-  EXPECT_LE(r.at_end, 0.003);
+  // The grip may rest where the spring no longer overcomes the device's friction.
+  constexpr double kRests = 0.5 / 150;
+  EXPECT_LE(r.at_return, kRests);
+  EXPECT_LE(r.at_park, kRests);
+  EXPECT_LE(r.at_end, kRests);
 }
 
 }  // namespace
