@@ -181,7 +181,8 @@ inline std::vector<BrokenScene> broken_scenes() {
       {"rate_hz: 100 master { velocity_cutoff_hz: 20 " + falcon +
            "kd_newton_s_per_m: 0\n max_speed_m_per_s: @0.005 } }",
        "master.position_control.max_speed_m_per_s", "would make the handle vibrate"},
-      {"master { " + falcon + "max_speed_m_per_s: 0.1 gravity_mass_kg: 1\n max_force_newton: @8 } }",
+      {"master { " + falcon +
+           "max_speed_m_per_s: 0.1 gravity_mass_kg: 1\n max_force_newton: @8 } }",
        "master.position_control.max_force_newton", "does not exceed the weight"},
       {"master { " + falcon + "danger_cue {\n max_shift_m: @0.03 } } }",
        "master.position_control.danger_cue.max_shift_m", "too large"},
