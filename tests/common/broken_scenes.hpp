@@ -182,6 +182,8 @@ inline std::vector<BrokenScene> broken_scenes() {
        "master.force_feedback.device_feedforward", "add device_model {}"},
       {with_feedback("falcon", "@contact_damping {}"), "master.force_feedback.contact_damping",
        "add device_model {}"},
+      {with_feedback("falcon", "@disturbance_observer {}"),
+       "master.force_feedback.disturbance_observer", "add device_model {}"},
       {with_feedback("twin_delta", "device_model {}\n @disturbance_observer {}"),
        "master.force_feedback.disturbance_observer", "take the user for a disturbance"},
       {with_feedback("falcon", "device_model {\n motor_delay_ms: @8 }"),

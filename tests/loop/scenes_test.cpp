@@ -207,6 +207,13 @@ TEST(Scenes, TheClosedLoopHidesTheHandleOnAllSixAxes) {
         axes[i], rms(open.user_to_environment_free), rms(published.user_to_environment_free),
         rms(own.user_to_environment_free), rms(open.user_to_environment_contact),
         rms(published.user_to_environment_contact), rms(own.user_to_environment_contact));
+    // The noise of the robot's sensor, 50 mN and 2 mN m, is in all of them; a twist has little
+    // else.
+    if (i == 5) continue;
+    EXPECT_LT(rms(own.user_to_environment_free), 0.25 * rms(open.user_to_environment_free));
+    EXPECT_LT(rms(own.user_to_environment_contact), 0.35 * rms(open.user_to_environment_contact));
+    EXPECT_LT(rms(own.user_to_environment_free), rms(published.user_to_environment_free));
+    EXPECT_LT(rms(own.user_to_environment_contact), rms(published.user_to_environment_contact));
   }
 }
 
