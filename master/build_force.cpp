@@ -18,9 +18,10 @@ PidConfig gains(const proto::ForceGains& g) {
           .derivative_cutoff_hz = g.derivative_cutoff_hz()};
 }
 
-ForceLoopConfig closed_loop(const proto::ClosedLoop& l) {
-  const PidConfig force = gains(l.force()), torque = gains(l.torque());
-  ForceLoopConfig c{.axes = {force, force, force, torque, torque, gains(l.twist())},
+ForceLoopConfig closed_loop(const proto::ClosedLoop& l, bool rotates) {
+  const PidConfig force = gains(l.force()), torque = rotates ? gains(l.torque()) : PidConfig{},
+                  twist = rotates ? gains(l.twist()) : PidConfig{};
+  ForceLoopConfig c{.axes = {force, force, force, torque, torque, twist},
                     .cutoff_hz = l.cutoff_hz(),
                     .filter_error = l.filter() == proto::ClosedLoop::ERROR};
   for (const auto& a : l.axis()) c.axes[static_cast<std::size_t>(a.axis())] = gains(a.gains());
@@ -81,7 +82,7 @@ ForceFeedbackConfig force_feedback_config(const proto::Master& master, double Ts
                                 .force_step = f.max_force_rate_newton_per_s() * Ts,
                                 .torque_step = f.max_torque_rate_newton_meter_per_s() * Ts}}};
   ForceControllerConfig& k = c.controller;
-  if (f.has_closed_loop()) k.closed_loop = closed_loop(f.closed_loop());
+  if (f.has_closed_loop()) k.closed_loop = closed_loop(f.closed_loop(), master.has_twin_delta());
   if (f.has_device_model()) k.device = device(master, Ts);
   if (f.has_device_feedforward()) k.feedforward = feedforward(f.device_feedforward());
   if (f.has_contact_damping()) k.contact_damping = contact_damping(f.contact_damping());

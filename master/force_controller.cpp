@@ -87,9 +87,7 @@ void ForceController::observe(const HandlePose* handle, const Wrench* F_user_G,
 void ForceController::unwind(const Wrench& F_given_G, LimitSet& set) noexcept {
   if (!loop_) return;
   const Wrench missing = wanted_ - F_given_G;
-  if (!missing_something(missing, wanted_)) return;
-  loop_->unwind(missing);
-  set |= kLimitSaturated;
+  if (missing_something(missing, wanted_) && loop_->unwind(missing)) set |= kLimitSaturated;
 }
 
 }  // namespace farhand

@@ -33,11 +33,15 @@ Wrench ForceLoop::step(const Wrench& F_user_G, const Wrench& F_desired_G) noexce
   return out;
 }
 
-void ForceLoop::unwind(const Wrench& missing) noexcept {
+bool ForceLoop::unwind(const Wrench& missing) noexcept {
+  bool any = false;
   for (std::size_t i = 0; i < pid_.size(); ++i) {
     double& I = state_[i].I;
-    if ((I - I_before_[i]) * axis(missing, i) > 0) I = I_before_[i];
+    if (!((I - I_before_[i]) * axis(missing, i) > 0)) continue;
+    I = I_before_[i];
+    any = true;
   }
+  return any;
 }
 
 void ForceLoop::reset() noexcept {

@@ -28,8 +28,9 @@ class ForceLoop {
 
   // Anti-windup by what acted: missing = the wrench asked for less the one given. On axes where
   // the last step's increment of the integral went the way of what is missing, it is taken back;
-  // as the limits shorten the whole wrench, that may be every axis.
-  void unwind(const Wrench& missing) noexcept;
+  // as the limits shorten the whole wrench, that may be every axis. True if any
+  // was.
+  bool unwind(const Wrench& missing) noexcept;
 
   // As new: the next step is the first, without a kick.
   void reset() noexcept;

@@ -43,6 +43,11 @@ inline std::vector<BrokenScene> broken_scenes() {
            "force_sensing { " +
            inside + " } }";
   };
+  const auto with_feedback = [&](const std::string& handle, const std::string& inside) {
+    return "slave { sim_arm { force_sensor {} } workspace {} joint_pid {} force_sensing {} }\n"
+           "master { sim_hand {} " +
+           handle + " {} force_feedback {\n " + inside + " } }";
+  };
   const auto with_surface = [&](const std::string& inside) {
     return with_arm("surface {\n " + inside + " }");
   };
@@ -166,6 +171,27 @@ inline std::vector<BrokenScene> broken_scenes() {
       {"master { falcon {} sim_hand {} force_feedback {\n max_torque_newton_meter: @1 } }\nslave { "
        "sim_arm { force_sensor {} } workspace {} joint_pid {} force_sensing {} }",
        "master.force_feedback.max_torque_newton_meter", "means nothing on a Falcon"},
+      {with_feedback("twin_delta", "@closed_loop {}"), "master.force_feedback.closed_loop",
+       "add force_sensing {} to the master"},
+      {with_feedback("falcon", "@closed_loop {}"), "master.force_feedback.closed_loop",
+       "a Falcon senses none"},
+      {with_feedback("falcon",
+                     "device_model {} disturbance_observer {} closed_loop {\n @twist {} }"),
+       "master.force_feedback.closed_loop.twist", "means nothing on a Falcon"},
+      {with_feedback("twin_delta", "@device_feedforward {}"),
+       "master.force_feedback.device_feedforward", "add device_model {}"},
+      {with_feedback("falcon", "@contact_damping {}"), "master.force_feedback.contact_damping",
+       "add device_model {}"},
+      {with_feedback("falcon", "@disturbance_observer {}"),
+       "master.force_feedback.disturbance_observer", "add device_model {}"},
+      {with_feedback("twin_delta", "device_model {}\n @disturbance_observer {}"),
+       "master.force_feedback.disturbance_observer", "take the user for a disturbance"},
+      {with_feedback("falcon", "device_model {\n motor_delay_ms: @8 }"),
+       "master.force_feedback.device_model.motor_delay_ms", "more than seven ticks"},
+      {with_feedback("twin_delta {} force_sensing",
+                     "closed_loop { axis { axis: TWIST gains {} }\n @axis { axis: TWIST gains {} } "
+                     "}"),
+       "master.force_feedback.closed_loop.axis[1]", "names an axis a second time"},
       {"master { " + falcon + "\n derivative_cutoff_hz: @600 } }",
        "master.position_control.derivative_cutoff_hz", "600 Hz is not below half"},
       {"rate_hz: 100 master { velocity_cutoff_hz: 20 " + falcon + "\n kd_newton_s_per_m: @500 } }",
