@@ -73,6 +73,7 @@ class SimArm {
 
   SimArmTruth truth() const noexcept;
   const SimArmStatus& status() const noexcept { return status_; }
+  const SimArmConfig& config() const noexcept { return config_; }
 
  private:
   void advance(TimePoint now) noexcept;

@@ -8,6 +8,8 @@
 #include "common/program.hpp"
 #include "tests/loop/replay.hpp"
 #include "tests/loop/run.hpp"
+#include "tests/loop/stability/command.hpp"
+#include "tests/loop/stability/study.hpp"
 
 int main(int argc, char** argv) {
   using namespace farhand;
@@ -16,6 +18,8 @@ int main(int argc, char** argv) {
   LoopbackOptions loop;
   std::string replay;
   bool json = false;
+  bool stability = false;
+  StabilityOptions about_stability;
   arguments.option("scene", options.scene, "scene file, see deploy/scenes");
   arguments.option(
       "--replay", replay,
@@ -25,6 +29,12 @@ int main(int argc, char** argv) {
   arguments.option("--seed", loop.seed, "instead of the scene's seed");
   arguments.duration(options.duration_s, "simulated seconds, instead of the scene's");
   arguments.flag("--json", json, "print the result as JSON");
+  arguments.flag("--stability", stability,
+                 "where the scene stops being stable, predicted and found, and exit");
+  arguments.flag("--grid", about_stability.grid,
+                 "with --stability: varied over masses, gains, delays and walls; minutes");
+  arguments.option("--map", about_stability.map,
+                   "with --stability: draw the boundaries into this SVG file");
   arguments.flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   arguments.flag("--check", options.check, "check the scene and exit");
   const auto missing = [&] {
@@ -38,6 +48,11 @@ int main(int argc, char** argv) {
     Stages stages{{"master", master_stages(scene.proto)}};
     if (scene.proto.has_slave()) stages.push_back({"slave", slave_stages(scene.proto)});
     if (print_only(options, scene, stages)) return 0;
+    if (stability) {
+      about_stability.json = json;
+      return run_stability(scene, about_stability);
+    }
+    warn_each(stability_warnings(scene));
     std::optional<RecordingFile> file;
     if (options.record)
       file.emplace(*options.record, scene, about_loopback(scene, loop, build_info()),
