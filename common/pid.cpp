@@ -7,11 +7,12 @@
 namespace farhand {
 namespace {
 
-// The integral may grow for weeks by steps far below its last digit.
-void add(PidState& s, double dI) noexcept {
+// The integral may grow for weeks by steps far below its last digit. One senseless sample must not
+// leave it where it would take weeks to come back from.
+void add(PidState& s, double dI, double limit) noexcept {
   const double rest = dI - s.I_lost, sum = s.I + rest;
-  s.I_lost = (sum - s.I) - rest;
-  s.I = sum;
+  s.I_lost = std::abs(sum) < limit ? (sum - s.I) - rest : 0;
+  s.I = std::clamp(sum, -limit, limit);
 }
 
 }  // namespace
@@ -31,19 +32,23 @@ Pid make_pid(const PidConfig& c, double Ts) noexcept {
 
 double step(const Pid& pid, PidState& s, double r, double y, double feedforward) noexcept {
   const double e = r - y;
-  if (!std::isfinite(e) || !std::isfinite(y) || !std::isfinite(feedforward)) return 0;
-  if (!s.primed) s = {.primed = true, .e = e, .y = y};
+  const double e_last = s.primed ? s.e : e, y_last = s.primed ? s.y : y;
+  const double slope = pid.derivative_on_measurement ? y_last - y : e - e_last;
+  const double D = s.D + pid.derivative_gain * (pid.kd_per_Ts * slope - s.D);
+  const double dI = pid.half_ki_Ts * (e + e_last);
+  const double raw = pid.kp * e + (s.I + dI) + D + feedforward;
+  if (!std::isfinite(raw)) {  // so it is if any input is not
+    s.primed = false;
+    return 0;
+  }
 
-  const double slope = pid.derivative_on_measurement ? s.y - y : e - s.e;
-  s.D += pid.derivative_gain * (pid.kd_per_Ts * slope - s.D);
-  const double dI = pid.half_ki_Ts * (e + s.e);
-  const double raw = pid.kp * e + (s.I + dI) + s.D + feedforward;
   s.saturated = std::abs(raw) > pid.limit;
-  if (!((raw > pid.limit && dI > 0) || (raw < -pid.limit && dI < 0))) add(s, dI);
+  if (!((raw > pid.limit && dI > 0) || (raw < -pid.limit && dI < 0))) add(s, dI, pid.limit);
+  s.primed = true;
   s.e = e;
   s.y = y;
-  const double u = pid.kp * e + s.I + s.D + feedforward;
-  return std::clamp(u, -pid.limit, pid.limit);
+  s.D = D;
+  return std::clamp(pid.kp * e + s.I + D + feedforward, -pid.limit, pid.limit);
 }
 
 IncrementalPid make_incremental_pid(const PidConfig& g, double Ts) noexcept {

@@ -8,8 +8,9 @@
 //                                           fc Ts)) (D_raw - D)
 //   u(k) = clamp(kp e(k) + I(k) + D(k) + feedforward, -limit, +limit)
 //
-// Anti-windup: the increment of I is taken only if it does not push a saturated sum further out. A
-// fresh state starts without a derivative kick: e(-1) = e(0), y(-1) = y(0), I = 0.
+// Anti-windup: the increment of I is taken only if it does not push a saturated sum further out,
+// and I itself stays within the limit. A fresh state starts without a derivative kick: e(-1) =
+// e(0), y(-1) = y(0), I = 0.
 #pragma once
 
 #include <limits>
@@ -51,7 +52,8 @@ struct PidState {
 };
 
 // One sample: reference r, measurement y, and a feed-forward that shares the output's limit.
-// Non-finite r, y or feedforward leave the state untouched and give 0.
+// Inputs that are not finite, or so large that a term is not, give 0 and leave I and D as they are;
+// the next sample comes without a kick.
 double step(const Pid& pid, PidState& state, double r, double y, double feedforward = 0) noexcept;
 
 // The incremental form u(k) = u(k-1) + a e(k) + b e(k-1) + c e(k-2) (eq. 13-15): the same output in
