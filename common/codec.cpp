@@ -1,11 +1,16 @@
 #include "common/codec.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "proto/wire.pb.h"
 
 namespace farhand {
 namespace {
+
+// A longer payload is not worth parsing.
+constexpr std::size_t kLongestMessageBytes =
+    std::max(kMasterToSlaveBytes + kUserWrenchBytes, kSlaveToMasterBytes + kRobotBytes);
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -28,6 +33,18 @@ bool get(const Doubles& from, Column& to) {
   return true;
 }
 
+// What a message has only in some architectures: left out, it takes no room and reads as zero.
+template <typename Column>
+void put_if(bool present, const Column& from, Doubles* to) {
+  present ? put(from, to) : to->Clear();
+}
+template <typename Column>
+bool get_if(bool present, const Doubles& from, Column& to) {
+  if (present) return get(from, to);
+  if constexpr (std::is_same_v<Column, Vec3>) to.setZero();
+  return from.empty();
+}
+
 bool in_range(Mode m) noexcept {
   return m <= Mode::holding;
 }
@@ -36,6 +53,10 @@ bool is_rotation(const Quat& q) noexcept {
 }
 bool finite(const Twist& V) noexcept {
   return V.angular.allFinite() && V.linear.allFinite();
+}
+
+bool finite(const Wrench& F) noexcept {
+  return F.force.allFinite() && F.torque.allFinite();
 }
 
 using Vec4 = Eigen::Vector4d;
@@ -84,6 +105,8 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   to.set_clutch_presses(from.clutch_presses);
   to.set_energy_in_joule(from.energy_in);
   to.set_energy_out_joule(from.energy_out);
+  put_if(from.has_user_wrench, from.F_user_M.force, to.mutable_user_force_in_master_newton());
+  put_if(from.has_user_wrench, from.F_user_M.torque, to.mutable_user_torque_in_master_newton_m());
 }
 
 bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
@@ -102,7 +125,9 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
   to.clutch_presses = from.clutch_presses();
   to.energy_in = from.energy_in_joule();
   to.energy_out = from.energy_out_joule();
-  return true;
+  to.has_user_wrench = from.user_force_in_master_newton_size() > 0;
+  return get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
+         get_if(to.has_user_wrench, from.user_torque_in_master_newton_m(), to.F_user_M.torque);
 }
 
 void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
@@ -120,6 +145,23 @@ void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
   to.set_stops(from.stops);
   to.set_energy_in_joule(from.energy_in);
   to.set_energy_out_joule(from.energy_out);
+  put_if(from.has_robot, from.p_MR, to.mutable_position_robot_in_master_m());
+  put_if(from.has_robot, wxyz(from.q_MR), to.mutable_orientation_robot_in_master_wxyz());
+  put_if(from.has_robot, from.V_MR.angular,
+         to.mutable_angular_velocity_robot_in_master_rad_per_s());
+  put_if(from.has_robot, from.V_MR.linear, to.mutable_velocity_robot_in_master_m_per_s());
+}
+
+bool get_robot(const proto::SlaveToMaster& from, SlaveToMaster& to) {
+  to.has_robot = from.position_robot_in_master_m_size() > 0;
+  Vec4 q = wxyz(Quat::Identity());
+  const bool good =
+      get_if(to.has_robot, from.position_robot_in_master_m(), to.p_MR) &&
+      get_if(to.has_robot, from.orientation_robot_in_master_wxyz(), q) &&
+      get_if(to.has_robot, from.angular_velocity_robot_in_master_rad_per_s(), to.V_MR.angular) &&
+      get_if(to.has_robot, from.velocity_robot_in_master_m_per_s(), to.V_MR.linear);
+  to.q_MR = Quat(q[0], q[1], q[2], q[3]);
+  return good;
 }
 
 bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
@@ -140,7 +182,14 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
   to.stops = from.stops();
   to.energy_in = from.energy_in_joule();
   to.energy_out = from.energy_out_joule();
-  return true;
+  return get_robot(from, to);
+}
+
+std::size_t size_of(const MasterToSlave& m) noexcept {
+  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0);
+}
+std::size_t size_of(const SlaveToMaster& m) noexcept {
+  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0);
 }
 
 template <typename Proto>
@@ -164,19 +213,19 @@ bool parse(std::span<const std::byte> payload, Proto& message) noexcept {
 
 template <typename Proto, typename Message>
 std::size_t encode_with(PayloadType type, const Header& header, const Message& message,
-                        std::size_t size, Proto& reused, std::span<std::byte> payload) noexcept {
+                        Proto& reused, std::span<std::byte> payload) noexcept {
   if (!valid(header) || !valid(message)) return 0;
   put(header, reused.mutable_header());
   put(message, reused);
-  return serialise(type, reused, size, payload);
+  return serialise(type, reused, size_of(message), payload);
 }
 
 template <typename Proto, typename Message>
-Verdict decode_with(PayloadType type, std::span<const std::byte> payload, std::size_t size,
-                    Proto& reused, Header& header, Message& message) noexcept {
+Verdict decode_with(PayloadType type, std::span<const std::byte> payload, Proto& reused,
+                    Header& header, Message& message) noexcept {
   if (!is(type, payload)) return Verdict::unexpected_type;
-  if (payload.size() != size || !parse(payload, reused) || !reused.IsInitialized() ||
-      !get(reused, message))
+  if (payload.size() > kLongestMessageBytes || !parse(payload, reused) || !reused.IsInitialized() ||
+      !get(reused, message) || payload.size() != size_of(message))
     return Verdict::malformed;
   header = get(reused.header());
   return valid(header) && valid(message) ? Verdict::accepted : Verdict::malformed;
@@ -186,13 +235,13 @@ Verdict decode_with(PayloadType type, std::span<const std::byte> payload, std::s
 
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
-         std::isfinite(m.energy_in) && std::isfinite(m.energy_out);
+         std::isfinite(m.energy_in) && std::isfinite(m.energy_out) && finite(m.F_user_M);
 }
 
 bool valid(const SlaveToMaster& m) noexcept {
-  return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && m.F_E_M.force.allFinite() &&
-         m.F_E_M.torque.allFinite() && in_range(m.mode) && std::isfinite(m.energy_in) &&
-         std::isfinite(m.energy_out);
+  return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && finite(m.F_E_M) &&
+         in_range(m.mode) && std::isfinite(m.energy_in) && std::isfinite(m.energy_out) &&
+         m.p_MR.allFinite() && is_rotation(m.q_MR) && finite(m.V_MR);
 }
 
 bool valid(const Header& h) noexcept {
@@ -206,12 +255,13 @@ struct Codec::Messages {
   proto::SlaveToMaster slave_to_master;
 };
 
-// One round through both messages leaves every array and sub-message with room for the next.
+// One round through both messages at their longest leaves every array and sub-message with room for
+// the next.
 Codec::Codec() : messages_(std::make_unique<Messages>()) {
   std::array<std::byte, kMaxPayloadBytes> payload{};
   Header header{.session = 1, .sequence = 1};
-  MasterToSlave down;
-  SlaveToMaster up;
+  MasterToSlave down{.has_user_wrench = true};
+  SlaveToMaster up{.has_robot = true};
   decode(std::span(payload).first(encode(header, down, payload)), header, down);
   decode(std::span(payload).first(encode(header, up, payload)), header, up);
 }
@@ -226,14 +276,14 @@ std::size_t Codec::encode(const Hello& hello, std::span<std::byte> payload) noex
 
 std::size_t Codec::encode(const Header& header, const MasterToSlave& message,
                           std::span<std::byte> payload) noexcept {
-  return encode_with(PayloadType::master_to_slave, header, message, kMasterToSlaveBytes,
-                     messages_->master_to_slave, payload);
+  return encode_with(PayloadType::master_to_slave, header, message, messages_->master_to_slave,
+                     payload);
 }
 
 std::size_t Codec::encode(const Header& header, const SlaveToMaster& message,
                           std::span<std::byte> payload) noexcept {
-  return encode_with(PayloadType::slave_to_master, header, message, kSlaveToMasterBytes,
-                     messages_->slave_to_master, payload);
+  return encode_with(PayloadType::slave_to_master, header, message, messages_->slave_to_master,
+                     payload);
 }
 
 Verdict Codec::decode(std::span<const std::byte> payload, Hello& hello) noexcept {
@@ -253,14 +303,14 @@ Verdict Codec::decode(std::span<const std::byte> payload, Hello& hello) noexcept
 
 Verdict Codec::decode(std::span<const std::byte> payload, Header& header,
                       MasterToSlave& message) noexcept {
-  return decode_with(PayloadType::master_to_slave, payload, kMasterToSlaveBytes,
-                     messages_->master_to_slave, header, message);
+  return decode_with(PayloadType::master_to_slave, payload, messages_->master_to_slave, header,
+                     message);
 }
 
 Verdict Codec::decode(std::span<const std::byte> payload, Header& header,
                       SlaveToMaster& message) noexcept {
-  return decode_with(PayloadType::slave_to_master, payload, kSlaveToMasterBytes,
-                     messages_->slave_to_master, header, message);
+  return decode_with(PayloadType::slave_to_master, payload, messages_->slave_to_master, header,
+                     message);
 }
 
 }  // namespace farhand

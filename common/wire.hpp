@@ -12,7 +12,7 @@
 namespace farhand {
 
 inline constexpr std::uint32_t kProtocolVersion =
-    1;                                               // changes with any byte below or in wire.proto
+    2;                                               // changes with any byte below or in wire.proto
 inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian like every number
 inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
 inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
@@ -24,6 +24,9 @@ inline constexpr std::size_t kMaxPayloadBytes =
 inline constexpr std::size_t kHelloBytes = 31;
 inline constexpr std::size_t kMasterToSlaveBytes = 214;
 inline constexpr std::size_t kSlaveToMasterBytes = 272;
+// More with what only some bilateral architectures send.
+inline constexpr std::size_t kUserWrenchBytes = 52;
+inline constexpr std::size_t kRobotBytes = 116;
 
 inline constexpr double kQuaternionTolerance = 1e-6;  // on the norm
 inline constexpr std::uint64_t kMaxStamp = std::uint64_t{1}
@@ -69,6 +72,8 @@ struct MasterToSlave {
   std::uint32_t clutch_presses = 0;
   double energy_in = 0;  // [J] cumulative, from this port into the network (reserved for passivity)
   double energy_out = 0;  // [J] cumulative, out of the network at this port
+  bool has_user_wrench = false;
+  Wrench F_user_M;  // user on handle at H, M axes
 };
 
 struct SlaveToMaster {
@@ -84,6 +89,11 @@ struct SlaveToMaster {
   std::uint32_t stops = 0;  // times the slave stopped by itself since the session began
   double energy_in = 0;     // [J] as above, at the slave's port
   double energy_out = 0;
+  bool has_robot = false;
+  // The robot as a handle: the pose and velocity of H that mean where the tool is.
+  Vec3 p_MR = Vec3::Zero();
+  Quat q_MR = Quat::Identity();  // unit to kQuaternionTolerance
+  Twist V_MR;
 };
 
 // What became of a received datagram, in the order of the checks.

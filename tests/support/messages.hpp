@@ -45,6 +45,11 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.clutch_presses = random_count(random);
   m.energy_in = random.normal();
   m.energy_out = random.normal();
+  m.has_user_wrench = random_bool(random);
+  m.F_user_M = {};
+  if (!m.has_user_wrench) return;
+  m.F_user_M.force = random_vector(random);
+  m.F_user_M.torque = random_vector(random);
 }
 
 inline void randomise(Random& random, SlaveToMaster& m) {
@@ -61,6 +66,10 @@ inline void randomise(Random& random, SlaveToMaster& m) {
   m.stops = random_count(random);
   m.energy_in = random.normal();
   m.energy_out = random.normal();
+  m.has_robot = random_bool(random);
+  m.p_MR = m.has_robot ? random_vector(random) : Vec3::Zero();
+  m.q_MR = m.has_robot ? random_rotation(random) : Quat::Identity();
+  m.V_MR = m.has_robot ? random_twist(random) : Twist{};
 }
 
 // To the last bit.
@@ -72,7 +81,8 @@ inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
          a.mode == b.mode && a.dead_man == b.dead_man && a.clutch == b.clutch &&
          a.force_wanted == b.force_wanted && a.dead_man_presses == b.dead_man_presses &&
          a.clutch_presses == b.clutch_presses && a.energy_in == b.energy_in &&
-         a.energy_out == b.energy_out;
+         a.energy_out == b.energy_out && a.has_user_wrench == b.has_user_wrench &&
+         a.F_user_M.force == b.F_user_M.force && a.F_user_M.torque == b.F_user_M.torque;
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
@@ -80,7 +90,8 @@ inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
          a.coupled == b.coupled && a.limits == b.limits &&
          a.dead_man_presses_seen == b.dead_man_presses_seen &&
          a.clutch_presses_seen == b.clutch_presses_seen && a.stops == b.stops &&
-         a.energy_in == b.energy_in && a.energy_out == b.energy_out;
+         a.energy_in == b.energy_in && a.energy_out == b.energy_out && a.has_robot == b.has_robot &&
+         a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
 }
 
 }  // namespace farhand
