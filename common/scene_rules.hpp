@@ -1,5 +1,5 @@
-// How a rule about the parts of a scene is written; the tables are in scene_rules_master.cpp and
-// scene_rules_slave.cpp.
+// How a rule about the parts of a scene is written; the tables are in scene_rules_master.cpp,
+// scene_rules_slave.cpp and scene_rules_bilateral.cpp.
 //
 // A rule belongs to a message type and is asked wherever a message of that type stands. Its
 // sentence follows the path of the field it blames and, for a number or text, that field's value.
@@ -29,6 +29,7 @@ using SceneRules = std::vector<SceneRule>;
 // The tables.
 void add_master_rules(SceneRules& rules);  // the scene as a whole and the master's side
 void add_slave_rules(SceneRules& rules);   // the slave's side and the link
+void add_bilateral_rules(SceneRules& rules);
 
 // broken(message) or broken(scene, message)
 template <typename M, typename F>
@@ -69,6 +70,27 @@ inline double norm(const google::protobuf::RepeatedField<double>& v) {
   double sum = 0;
   for (const double x : v) sum += x * x;
   return std::sqrt(sum);
+}
+
+inline bool given(const google::protobuf::Message& m,
+                  const google::protobuf::FieldDescriptor& field) {
+  const auto& r = *m.GetReflection();
+  return field.is_repeated() ? r.FieldSize(m, &field) > 0 : r.HasField(m, &field);
+}
+
+// A Falcon moves in three translations and its grip senses no force.
+template <typename M>
+void not_on_falcon(SceneRules& rules, std::initializer_list<const char*> fields) {
+  for (const char* name : fields) {
+    const auto* field = M::descriptor()->FindFieldByName(name);
+    rule<M>(
+        rules, name,
+        [field](const proto::Scene& s, const M& m) {
+          return s.master().has_falcon() && given(m, *field);
+        },
+        "means nothing on a Falcon, which neither turns nor feels force",
+        "remove it, or use the twin_delta handle");
+  }
 }
 
 }  // namespace farhand

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "common/scene_bilateral.hpp"
 #include "common/scene_rules.hpp"
 
 namespace farhand {
@@ -7,24 +8,6 @@ namespace {
 
 using Rules = SceneRules;
 using proto::Scene;
-
-bool given(const google::protobuf::Message& m, const google::protobuf::FieldDescriptor& field) {
-  const auto& r = *m.GetReflection();
-  return field.is_repeated() ? r.FieldSize(m, &field) > 0 : r.HasField(m, &field);
-}
-
-// A Falcon moves in three translations and its grip senses no force.
-template <typename M>
-void not_on_falcon(Rules& rules, std::initializer_list<const char*> fields) {
-  for (const char* name : fields) {
-    const auto* field = M::descriptor()->FindFieldByName(name);
-    rule<M>(
-        rules, name,
-        [field](const Scene& s, const M& m) { return s.master().has_falcon() && given(m, *field); },
-        "means nothing on a Falcon, which neither turns nor feels force",
-        "remove it, or use the twin_delta handle");
-  }
-}
 
 void scene_rules(Rules& r) {
   rule<Scene>(
@@ -64,8 +47,8 @@ void master_rules(Rules& r) {
   rule<M>(
       r, "force_feedback",
       [](const Scene& s, const M& m) {
-        return m.has_force_feedback() && !m.has_guidance() && !s.slave().has_force_sensing() &&
-               !s.slave().has_boundary();
+        return m.has_force_feedback() && !m.has_guidance() && channels(s).contact_force &&
+               !s.slave().has_force_sensing() && !s.slave().has_boundary();
       },
       "has no force to reflect", "add force_sensing {} to the slave, or remove force_feedback");
   rule<M>(
@@ -182,7 +165,7 @@ void position_control_rules(Rules& r) {
   rule<P>(
       r, "max_speed_m_per_s",
       [](const Scene& s, const P& p) {
-        return p.has_max_speed_m_per_s() && s.master().has_sim_hand() &&
+        return p.max_speed_m_per_s() > 0 && s.master().has_sim_hand() &&
                p.max_force_newton() - kGravity * p.gravity_mass_kg() >
                    p.max_speed_m_per_s() * s.master().sim_hand().device_mass_kg() * s.rate_hz();
       },
@@ -191,16 +174,16 @@ void position_control_rules(Rules& r) {
   rule<P>(
       r, "max_force_newton",
       [](const P& p) {
-        return p.has_max_speed_m_per_s() && p.max_force_newton() <= kGravity * p.gravity_mass_kg();
+        return p.max_speed_m_per_s() > 0 && p.max_force_newton() <= kGravity * p.gravity_mass_kg();
       },
       "does not exceed the weight, so nothing is left to move the grip at max_speed_m_per_s",
       "raise it, or lower gravity_mass_kg");
   rule<P>(
-      r, "park", [](const P& p) { return p.has_park() && !p.has_max_speed_m_per_s(); },
+      r, "park", [](const P& p) { return p.has_park() && p.max_speed_m_per_s() == 0; },
       "would send the grip there with all its force", "add max_speed_m_per_s");
   rule<P>(
       r, "max_force_rate_newton_per_s",
-      [](const P& p) { return p.has_max_force_rate_newton_per_s() && !p.has_max_speed_m_per_s(); },
+      [](const P& p) { return p.has_max_force_rate_newton_per_s() && p.max_speed_m_per_s() == 0; },
       "acts only in safe motion", "add max_speed_m_per_s, or remove it");
   each<P>(
       r, "set_point",

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "common/scene_bilateral.hpp"
 #include "common/scene_values.hpp"
 #include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
@@ -43,6 +44,15 @@ double max_motor_torque(const proto::Master& m) {
                         : m.twin_delta().max_motor_torque_newton_meter();
 }
 
+RobotCouplingConfig robot_coupling(const proto::RobotCoupling& c) {
+  return {.stiffness = c.stiffness_newton_per_m(),
+          .damping = c.damping_newton_s_per_m(),
+          .rotation_stiffness = c.rotation_stiffness_newton_m_per_rad(),
+          .rotation_damping = c.rotation_damping_newton_m_s(),
+          .twist_stiffness = c.twist_stiffness_newton_m_per_rad(),
+          .twist_damping = c.twist_damping_newton_m_s()};
+}
+
 PositionControlConfig position_control(const proto::PositionControl& p, double Ts) {
   PositionControlConfig c{.pid = {.kp = p.kp_newton_per_m(),
                                   .ki = p.ki_newton_per_m_s(),
@@ -53,7 +63,7 @@ PositionControlConfig position_control(const proto::PositionControl& p, double T
                           .gravity_mass = p.gravity_mass_kg()};
   for (const auto& s : p.set_point())
     c.set_points.push_back({from_seconds(s.at_s()), vec3(s.position_m())});
-  if (p.has_max_speed_m_per_s())
+  if (p.max_speed_m_per_s() > 0)
     c.safe = {.max_speed = p.max_speed_m_per_s(),
               .force_step = p.max_force_rate_newton_per_s() * Ts};
   if (p.has_park()) c.park_p_MH = vec3(p.park().position_m());
@@ -100,7 +110,7 @@ GuidanceConfig guidance(const proto::Guidance& g) {
 std::string position_control_stage(const proto::PositionControl& p) {
   std::string out = fmt::format("position_control  PID, set points: {}, at most {:g} N",
                                 p.set_point_size(), p.max_force_newton());
-  if (p.has_max_speed_m_per_s()) out += fmt::format(" and {:g} m/s", p.max_speed_m_per_s());
+  if (p.max_speed_m_per_s() > 0) out += fmt::format(" and {:g} m/s", p.max_speed_m_per_s());
   if (p.has_park()) out += ", parks";
   if (p.has_danger_cue())
     out += fmt::format(", danger cue up to {:g} mm", 1e3 * p.danger_cue().max_shift_m());
@@ -123,6 +133,10 @@ MasterConfig master_config(const proto::Scene& scene) {
     c.force_sensing = {.bias = end_forces(m.force_sensing().bias_newton()),
                        .grip_mass = m.force_sensing().grip_mass_kg()};
   if (m.has_force_feedback()) c.force_feedback = force_feedback_config(m, c.Ts);
+  const Channels ch = channels(scene);
+  c.reflects_contact = ch.contact_force;
+  c.sends_user_wrench = ch.user_force;
+  if (ch.robot_position) c.robot_coupling = robot_coupling(coupling(scene.bilateral()));
   if (m.has_position_control()) c.position_control = position_control(m.position_control(), c.Ts);
   if (m.has_guidance()) c.guidance = guidance(m.guidance());
   return c;
@@ -162,6 +176,9 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   if (m.has_force_feedback()) {
     out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
                               m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
+    if (channels(scene).robot_position)
+      out.push_back(fmt::format("robot_coupling    {:g} N/m to the robot's position",
+                                coupling(scene.bilateral()).stiffness_newton_per_m()));
     if (m.has_guidance())
       out.push_back(fmt::format("guidance          fixtures: {}{}", m.guidance().fixture_size(),
                                 m.guidance().has_handle_limits() ? ", handle limits" : ""));

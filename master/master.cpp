@@ -27,6 +27,8 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.q_MH = to_quat(tick_.handle.X_MH.R);
   out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
+  out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
+  if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
 }
 
@@ -84,6 +86,15 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   return tick_;
 }
 
+// What of the slave's side is felt, by the bilateral architecture.
+Wrench Master::environment(const SlaveToMaster& in) const noexcept {
+  Wrench F_G;
+  if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
+  if (config_.robot_coupling)
+    F_G = F_G + couple(*config_.robot_coupling, tick_.handle, tick_.out.V_MH, in);
+  return F_G;
+}
+
 Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
   Wrench F;
   if (tick_.handle.status == Status::ok)
@@ -104,7 +115,7 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
-  tick_.F_env_G = felt ? share * (tick_.handle.R_MG.transpose() * slave.newest->F_E_M) : Wrench{};
+  tick_.F_env_G = felt ? share * environment(*slave.newest) : Wrench{};
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;

@@ -18,6 +18,7 @@
 #include "master/handle.hpp"
 #include "master/haptic_device.hpp"
 #include "master/position_control.hpp"
+#include "master/robot_coupling.hpp"
 
 namespace farhand {
 
@@ -36,6 +37,9 @@ struct MasterConfig {
       0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
   std::optional<HandleForceSensingConfig> force_sensing;  // twin delta only
   std::optional<ForceFeedbackConfig> force_feedback;
+  bool reflects_contact = true;                       // the slave's contact wrench is felt
+  std::optional<RobotCouplingConfig> robot_coupling;  // the robot's position is felt, too
+  bool sends_user_wrench = false;
   std::optional<PositionControlConfig> position_control;
   std::optional<GuidanceConfig> guidance;  // felt through force_feedback
 };
@@ -82,6 +86,7 @@ class Master {
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
+  Wrench environment(const SlaveToMaster& in) const noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 

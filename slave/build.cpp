@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "common/scene_bilateral.hpp"
 #include "common/scene_values.hpp"
 
 namespace farhand {
@@ -92,6 +93,27 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
   return c;
 }
 
+// What the bilateral architecture sends and takes.
+void add_channels(const proto::Scene& scene, SlaveConfig& c) {
+  c.sends_robot = channels(scene).robot_position;
+  if (scene.bilateral().has_force_position()) {
+    const proto::ForcePosition& f = scene.bilateral().force_position();
+    c.admittance = {.Ts = c.Ts,
+                    .mass = f.virtual_mass_kg(),
+                    .damping = f.virtual_damping_newton_s_per_m(),
+                    .inertia = f.virtual_inertia_kg_m2(),
+                    .rotation_damping = f.virtual_rotation_damping_newton_m_s(),
+                    .max_speed = c.workspace.position_step / c.Ts,
+                    .max_turn_rate = c.workspace.rotation_step / c.Ts};
+  }
+  if (scene.bilateral().has_force_force()) {
+    const proto::ForceForce& f = scene.bilateral().force_force();
+    c.user_force = {.share = f.user_force_share(),
+                    .max_force = f.max_user_force_newton(),
+                    .max_torque = f.max_user_torque_newton_meter()};
+  }
+}
+
 }  // namespace
 
 SlaveConfig slave_config(const proto::Scene& scene) {
@@ -107,6 +129,7 @@ SlaveConfig slave_config(const proto::Scene& scene) {
                        .bias = vec3(f.bias_newton()),
                        .cutoff_hz = f.cutoff_hz()};
   }
+  add_channels(scene, c);
   if (slave.has_boundary()) c.boundary = boundary(slave.boundary(), c.Ts);
   return c;
 }
@@ -128,6 +151,9 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   std::vector<std::string> out;
   out.push_back(fmt::format("link            receive the handle's pose at {:g} Hz, phase-locked",
                             scene.rate_hz()));
+  if (scene.bilateral().has_force_position())
+    out.push_back(fmt::format("admittance      the user's force moves {:g} kg, the target",
+                              scene.bilateral().force_position().virtual_mass_kg()));
   out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}",
                             s.workspace().scale(),
                             s.workspace().rotation_lock() ? ", orientation kept" : ""));
@@ -142,11 +168,15 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
                             pid.damping_ratio(), pid.has_gravity_compensation() ? ", gravity" : "",
                             pid.has_friction_compensation() ? ", friction" : "",
                             pid.has_velocity_feedforward() ? ", velocity feed-forward" : ""));
+  if (scene.bilateral().has_force_force())
+    out.push_back(fmt::format("user_force      pushes the arm, share {:g}",
+                              scene.bilateral().force_force().user_force_share()));
   out.push_back("limits          finite, clamp, slew; write joint torques");
   if (s.has_force_sensing())
     out.push_back(
         "force_sensing   contact wrench, tool weight and bias removed, sent to the master");
-  out.push_back("link            send the tool's pose");
+  out.push_back(std::string("link            send the tool's pose") +
+                (channels(scene).robot_position ? ", also as a handle pose" : ""));
   return out;
 }
 

@@ -20,7 +20,7 @@ class ForceSensing {
   ForceSensing(const ForceSensingConfig& config, double Ts) noexcept;
 
   // raw: sensor reading at E, axes of S, bias and tool weight included. X_SE: pose of the tool. Not
-  // finite: the last value.
+  // finite, or above a million: the last value.
   const Wrench& step(const Wrench& raw_E_S, const Pose& X_SE) noexcept;
 
  private:

@@ -17,6 +17,12 @@ struct RobotReading {
                    // bias and tool weight included
 };
 
+// Finite, and within a million rad and rad/s: no square or product of it overflows. Anything else
+// is no reading.
+inline bool sensible(const RobotReading& r) noexcept {
+  return r.q.cwiseAbs().sum() + r.dq.cwiseAbs().sum() < 1e6;
+}
+
 // read() and write() never block, allocate or throw. A torque written holds until the next.
 template <typename R>
 concept Robot = requires(R robot, TimePoint now, const Vec6& tau) {

@@ -11,6 +11,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
+  if (config.admittance) admittance_.emplace(*config.admittance);
   if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
 }
 
@@ -19,22 +20,23 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.now = now;
   tick_.age = master.age;
   tick_.robot = robot;
+  tick_.robot.ok = robot.ok && sensible(robot);
   tick_.limits = kLimitNone;
   decide_mode(master);
-  if (robot.ok) {
+  if (tick_.robot.ok) {
     const ArmKinematics arm = kinematics(config_.arm, robot.q);
     tick_.X_SE = arm.X_SE;
     tick_.singularity = arm.singularity;
     tick_.out.V_SE = tool_twist(arm.J, robot.dq);
-    move_target(master.newest);
-    command_joints();
     if (force_sensing_) tick_.F_E_S = force_sensing_->step(robot.F_E_S, arm.X_SE);
+    move_target(master.newest);
+    command_joints(arm.J, master.newest);
   }
   answer(master.newest);
   return tick_;
 }
 
-void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
+inline void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   const MasterToSlave* in = master.newest;
   tick_.mode = next_mode(tick_.mode,
                          {.equipment_ok = tick_.robot.ok,
@@ -45,7 +47,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
-void Slave::move_target(const MasterToSlave* in) noexcept {
+inline void Slave::move_target(const MasterToSlave* in) noexcept {
   if (!started_) {
     started_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
@@ -54,28 +56,33 @@ void Slave::move_target(const MasterToSlave* in) noexcept {
   }
   tick_.coupled = tick_.mode == Mode::engaged && !in->clutch;
   tick_.inverse = Status::ok;
-  if (tick_.coupled) {
-    follow_handle({in->q_MH.toRotationMatrix(), in->p_MH});
-  } else if (workspace_.coupled) {
-    q_target_ = tick_.q_cmd;
-    uncouple(workspace_, forward(config_.arm, tick_.q_cmd));
-    tick_.X_SE_target = workspace_.X_SE_target;
-  }
-  if (boundary_ && !tick_.coupled) boundary_->relax();
+  if (tick_.coupled) return follow_handle(*in);
+  if (boundary_) boundary_->relax();
+  if (!workspace_.coupled) return;
+  q_target_ = tick_.q_cmd;
+  uncouple(workspace_, forward(config_.arm, tick_.q_cmd));
+  tick_.X_SE_target = workspace_.X_SE_target;
 }
 
-void Slave::follow_handle(const Pose& X_MH) noexcept {
+inline void Slave::follow_handle(const MasterToSlave& in) noexcept {
+  const Pose X_MH{in.q_MH.toRotationMatrix(), in.p_MH};
   if (!workspace_.coupled) {
     couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
     if (boundary_) boundary_->couple(tick_.q_cmd);
+    if (admittance_) admittance_->stop();
+    tick_.X_SE_target = workspace_.X_SE_target;
   }
-  tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
+  if (admittance_)
+    tick_.X_SE_target = admittance_->step(tick_.X_SE_target, bring(config_.workspace, in.F_user_M),
+                                          tick_.F_E_S, config_.workspace.rotation_lock);
+  else
+    tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
   reach();
 }
 
 // The tool target becomes a joint target if it can be reached; otherwise the last one stays, or
 // with a boundary slides along it.
-void Slave::reach() noexcept {
+inline void Slave::reach() noexcept {
   if (boundary_) {
     const BoundaryHold hold = boundary_->step(tick_.X_SE_target);
     tick_.inverse = hold.status;
@@ -93,24 +100,27 @@ void Slave::reach() noexcept {
 }
 
 // Speed limit on the joint command, servo, and the way out: finite, clamp, slew.
-void Slave::command_joints() noexcept {
+inline void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept {
   const Vec6 move = q_target_ - tick_.q_cmd;
   const Vec6 allowed = move.cwiseMax(-q_step_).cwiseMin(q_step_);
   if (allowed != move) tick_.limits |= kLimitSpeed;
   tick_.q_cmd = allowed == move ? q_target_ : Vec6(tick_.q_cmd + allowed);
 
-  const Vec6 tau = servo_.step(tick_.q_cmd, tick_.robot.q);
+  Vec6 tau = servo_.step(tick_.q_cmd, tick_.robot.q);
+  if (config_.user_force && tick_.coupled)
+    tau += joint_torques(J, pushed(*config_.user_force, bring(config_.workspace, in->F_user_M)));
   if (servo_.saturated()) tick_.limits |= kLimitSaturated;
   tick_.tau = limit_joint_torques(tau_max_, tau_step_, tau, tick_.tau, tick_.limits);
 }
 
-void Slave::answer(const MasterToSlave* in) noexcept {
+inline void Slave::answer(const MasterToSlave* in) noexcept {
   SlaveToMaster& out = tick_.out;
   out.p_SE = tick_.X_SE.p;
   out.q_SE = to_quat(tick_.X_SE.R);
   out.mode = tick_.mode;
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
+  if (config_.sends_robot) tell_where();
   if (boundary_)
     out.F_E_M = reflect(config_.workspace, tick_.F_E_S + boundary_->F_E_S());
   else if (force_sensing_)
@@ -119,6 +129,17 @@ void Slave::answer(const MasterToSlave* in) noexcept {
     out.dead_man_presses_seen = in->dead_man_presses;
     out.clutch_presses_seen = in->clutch_presses;
   }
+}
+
+// Where the robot is, in the handle's terms; they exist only while it follows the handle.
+void Slave::tell_where() noexcept {
+  SlaveToMaster& out = tick_.out;
+  out.has_robot = tick_.coupled;
+  if (!out.has_robot) return;
+  const Pose X_MR = as_handle(config_.workspace, workspace_, tick_.X_SE);
+  out.p_MR = X_MR.p;
+  out.q_MR = to_quat(X_MR.R);
+  out.V_MR = as_handle(config_.workspace, out.V_SE);
 }
 
 }  // namespace farhand

@@ -14,6 +14,7 @@
 #include "slave/force_sensing.hpp"
 #include "slave/joint_servo.hpp"
 #include "slave/robot.hpp"
+#include "slave/user_force.hpp"
 #include "slave/workspace.hpp"
 
 namespace farhand {
@@ -30,6 +31,10 @@ struct SlaveConfig {
       0.02;  // a joint torque may go from 0 to its limit in this time: the slew limit
   std::optional<ForceSensingConfig> force_sensing;
   std::optional<BoundaryConfig> boundary;
+  // Of bilateral architectures.
+  bool sends_robot = false;                    // the robot's pose as a handle pose
+  std::optional<AdmittanceConfig> admittance;  // the user's force moves the target
+  std::optional<UserForceConfig> user_force;   // the user's force pushes the arm
 };
 
 // Everything one tick read, decided and sent; the recorder takes it whole.
@@ -66,10 +71,11 @@ class Slave {
  private:
   void decide_mode(const Peer<MasterToSlave>& master) noexcept;
   void move_target(const MasterToSlave* in) noexcept;
-  void follow_handle(const Pose& X_MH) noexcept;
+  void follow_handle(const MasterToSlave& in) noexcept;
   void reach() noexcept;
-  void command_joints() noexcept;
+  void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
   void answer(const MasterToSlave* in) noexcept;
+  void tell_where() noexcept;
 
   SlaveConfig config_;
   Vec6 q_step_;    // largest joint command change per tick [rad]
@@ -79,6 +85,7 @@ class Slave {
   JointServo servo_;
   std::optional<ForceSensing> force_sensing_;
   std::optional<Boundary> boundary_;
+  std::optional<Admittance> admittance_;
   bool started_ = false;
   Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
   SlaveTick tick_;

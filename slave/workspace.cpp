@@ -66,4 +66,22 @@ Wrench reflect(const WorkspaceConfig& c, const Wrench& F_E_S) noexcept {
   return F;
 }
 
+Wrench bring(const WorkspaceConfig& c, const Wrench& F_user_M) noexcept {
+  if (!(c.force_scale > 0)) return {};
+  Wrench F = (1 / c.force_scale) * (c.R_SM * F_user_M);
+  if (c.rotation_lock) F.torque.setZero();
+  return F;
+}
+
+Pose as_handle(const WorkspaceConfig& c, const WorkspaceState& s, const Pose& X_SE) noexcept {
+  return {c.R_SM.transpose() * X_SE.R * s.R_HE.transpose(),
+          s.p_MH0 + (1 / c.scale) * (c.R_SM.transpose() * (X_SE.p - s.p_SE0))};
+}
+
+Twist as_handle(const WorkspaceConfig& c, const Twist& V_SE) noexcept {
+  Twist V = c.R_SM.transpose() * V_SE;
+  V.linear /= c.scale;
+  return V;
+}
+
 }  // namespace farhand

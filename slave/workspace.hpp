@@ -53,4 +53,13 @@ const Pose& follow(const WorkspaceConfig& config, WorkspaceState& state, const P
 // scaled, in axes of M. Without its torque under rotation lock.
 Wrench reflect(const WorkspaceConfig& config, const Wrench& F_E_S) noexcept;
 
+// The other way: the user's wrench on the handle in axes of M as it acts at the robot, at E in axes
+// of S, so that it and F_E_S balance where the hand feels what it gives. Zero with force_scale 0.
+Wrench bring(const WorkspaceConfig& config, const Wrench& F_user_M) noexcept;
+
+// The pose and velocity of the handle that mean this pose and velocity of the tool.
+Pose as_handle(const WorkspaceConfig& config, const WorkspaceState& state,
+               const Pose& X_SE) noexcept;
+Twist as_handle(const WorkspaceConfig& config, const Twist& V_SE) noexcept;
+
 }  // namespace farhand

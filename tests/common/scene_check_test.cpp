@@ -106,6 +106,11 @@ TEST(SceneSchema, EveryNumberHasARangeAUnitAndALegalDefault) {
   // Pure numbers.
   const std::set<std::string> kUnitless = {"gear_ratio",
                                            "normal",
+                                           "towards",
+                                           "direction",
+                                           "wrist_margin",
+                                           "elbow_margin",
+                                           "user_force_share",
                                            "scale",
                                            "force_scale",
                                            "rotation_scale",

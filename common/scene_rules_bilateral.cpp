@@ -1,0 +1,49 @@
+#include "common/scene_rules.hpp"
+
+namespace farhand {
+namespace {
+
+using proto::Scene;
+
+// The user's force crosses the network: the handle must sense it, and the robot what answers it.
+template <typename M>
+void needs_both_forces(SceneRules& rules) {
+  rule<M>(
+      rules, "", [](const Scene& s, const M&) { return s.master().has_falcon(); },
+      "sends the user's force, which a Falcon does not sense",
+      "use position_position, or the twin_delta handle");
+  rule<M>(
+      rules, "", [](const Scene& s, const M&) { return !s.master().has_force_sensing(); },
+      "sends the user's force, which nothing senses", "add force_sensing {} to the master");
+  rule<M>(
+      rules, "", [](const Scene& s, const M&) { return !s.slave().has_force_sensing(); },
+      "sets the user's force against the contact's, which nothing senses",
+      "add force_sensing {} to the slave");
+  rule<M>(
+      rules, "", [](const Scene& s, const M&) { return s.slave().workspace().force_scale() == 0; },
+      "divides the user's force by workspace.force_scale, which is 0", "give another force_scale");
+}
+
+}  // namespace
+
+void add_bilateral_rules(SceneRules& r) {
+  using B = proto::Bilateral;
+  rule<B>(
+      r, "", [](const B& b) { return b.architecture_case() == B::ARCHITECTURE_NOT_SET; },
+      "names no architecture",
+      "add position_position {}, force_position {} or force_force {}, or remove it for "
+      "position-force");
+  rule<B>(
+      r, "", [](const Scene& s, const B&) { return !s.has_slave(); },
+      "has channels to nowhere without a slave", "remove it");
+  rule<B>(
+      r, "", [](const Scene& s, const B&) { return !s.master().has_force_feedback(); },
+      "has channels back that nobody feels", "add force_feedback {} to the master, or remove it");
+  needs_both_forces<proto::ForcePosition>(r);
+  needs_both_forces<proto::ForceForce>(r);
+  not_on_falcon<proto::RobotCoupling>(
+      r, {"rotation_stiffness_newton_m_per_rad", "rotation_damping_newton_m_s",
+          "twist_stiffness_newton_m_per_rad", "twist_damping_newton_m_s"});
+}
+
+}  // namespace farhand
