@@ -8,8 +8,7 @@
 #include "common/program.hpp"
 #include "tests/loop/replay.hpp"
 #include "tests/loop/run.hpp"
-#include "tests/loop/stability/command.hpp"
-#include "tests/loop/stability/study.hpp"
+#include "tests/loop/studies.hpp"
 
 int main(int argc, char** argv) {
   using namespace farhand;
@@ -18,8 +17,7 @@ int main(int argc, char** argv) {
   LoopbackOptions loop;
   std::string replay;
   bool json = false;
-  bool stability = false;
-  StabilityOptions about_stability;
+  Studies studies;
   arguments.option("scene", options.scene, "scene file, see deploy/scenes");
   arguments.option(
       "--replay", replay,
@@ -29,30 +27,24 @@ int main(int argc, char** argv) {
   arguments.option("--seed", loop.seed, "instead of the scene's seed");
   arguments.duration(options.duration_s, "simulated seconds, instead of the scene's");
   arguments.flag("--json", json, "print the result as JSON");
-  arguments.flag("--stability", stability,
-                 "where the scene stops being stable, predicted and found, and exit");
-  arguments.flag("--grid", about_stability.grid,
-                 "with --stability: varied over masses, gains, delays and walls; minutes");
-  arguments.option("--map", about_stability.map,
-                   "with --stability: draw the boundaries into this SVG file");
+  studies.add_to(arguments);
   arguments.flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   arguments.flag("--check", options.check, "check the scene and exit");
   const auto missing = [&] {
-    return replay.empty() && options.scene.empty() ? "scene or --replay" : "";
+    const bool given = !replay.empty() || !options.scene.empty() || !studies.needs_scene();
+    return given ? "" : "scene or --replay";
   };
   if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   if (options.duration_s > 0) loop.duration_s = options.duration_s;
   return run_guarded("farhand-loopback", [&] {
+    if (!studies.needs_scene()) return studies.run(nullptr, json).value_or(0);
     const Scene scene =
         replay.empty() ? load_scene(options.scene) : prepare_replay(replay, options.scene, loop);
     Stages stages{{"master", master_stages(scene.proto)}};
     if (scene.proto.has_slave()) stages.push_back({"slave", slave_stages(scene.proto)});
     if (print_only(options, scene, stages)) return 0;
-    if (stability) {
-      about_stability.json = json;
-      return run_stability(scene, about_stability);
-    }
-    warn_each(stability_warnings(scene));
+    if (const auto status = studies.run(&scene, json)) return *status;
+    warn_each(studies.warnings(scene));
     std::optional<RecordingFile> file;
     if (options.record)
       file.emplace(*options.record, scene, about_loopback(scene, loop, build_info()),

@@ -63,6 +63,7 @@ struct LoopConfig {
 struct Tick {
   double t = 0;
   double x = 0, v = 0;
+  double y = 0;           // of the robot
   double F_u = 0;         // true
   double F_measured = 0;  // as the controller got it at the end of the period before
   double F_e = 0;         // likewise
@@ -147,12 +148,12 @@ class Loop {
   double press(double x) {
     const double w = kTurn * c_.robot.hz, h = c_.Ts / c_.substeps;
     const auto force = [&] {
-      const double F = c_.wall->k * (y_ - c_.wall->x) + c_.wall->b * dy_;
-      return c_.wall->bilateral ? F : y_ > c_.wall->x ? std::max(0.0, F) : 0.0;
+      const double F = c_.wall->k * (t_.y - c_.wall->x) + c_.wall->b * dy_;
+      return c_.wall->bilateral ? F : t_.y > c_.wall->x ? std::max(0.0, F) : 0.0;
     };
     for (int i = 0; i < c_.substeps; ++i) {
-      dy_ += h * (w * w * (x - y_) - 2 * c_.robot.zeta * w * dy_ - force() / c_.robot.mass);
-      y_ += h * dy_;
+      dy_ += h * (w * w * (x - t_.y) - 2 * c_.robot.zeta * w * dy_ - force() / c_.robot.mass);
+      t_.y += h * dy_;
     }
     return force();
   }
@@ -164,7 +165,7 @@ class Loop {
   double motor_gain_, sensor_gain_;
   HandlePose handle_;
   Wrench F_m_;
-  double motor_ = 0, sensor_ = 0, F_e_ = 0, y_ = 0, dy_ = 0;
+  double motor_ = 0, sensor_ = 0, F_e_ = 0, dy_ = 0;
   Tick t_;
 };
 

@@ -1,0 +1,168 @@
+// The same on six axes: both ticks, the links, the simulated hand and arm, in virtual time.
+#include <array>
+#include <cmath>
+
+#include "common/scene.hpp"
+#include "common/statistics.hpp"
+#include "tests/loop/experiments/columns.hpp"
+#include "tests/loop/experiments/experiment.hpp"
+#include "tests/loop/experiments/our_loop.hpp"
+#include "tests/loop/loopback.hpp"
+
+namespace farhand {
+namespace {
+
+struct Contender {
+  const char* name;
+  const char* stages;  // of force_feedback
+};
+constexpr std::array kContenders = {Contender{"open loop", ""},
+                                    Contender{"published gains", "closed_loop {}"},
+                                    Contender{"ours", kOurLoop}};
+
+constexpr const char* kH1Motion = R"(
+  sine { from_s: 1 frequency_hz: 1 amplitude_m: [0, 0, 0.05] amplitude_deg: [6, 8, 12] })";
+constexpr const char* kContactMotion = R"(
+  sine { from_s: 1 frequency_hz: 0.3 amplitude_deg: [8, 10, 15] }
+  sine { from_s: 1 until_s: 11 frequency_hz: 0.4 amplitude_m: [0.03, 0, 0] }
+  reach { at_s: 11 lasting_s: 4 by_m: [-0.06, 0, 0] }
+  sine { from_s: 15 frequency_hz: 0.5 amplitude_m: [0.008, 0, 0] })";
+constexpr const char* kWall = R"(
+  surface { plane { point_m: [0, 0.356057, 0] normal: [0, -1, 0] } stiffness_newton_per_m: 500 })";
+
+Scene scene(const Contender& contender, const char* motion, const char* wall) {
+  const std::string text = std::string("master { twin_delta {} force_sensing {} force_feedback {") +
+                           contender.stages + "} sim_hand { operator { motion {" + motion +
+                           " max_speed_m_per_s: 0.6 } } } }\nslave { sim_arm {" + wall +
+                           R"( force_sensor { force_noise_newton: 0 torque_noise_newton_meter: 0 } }
+    workspace {} force_sensing {}
+    joint_pid { gravity_compensation {} friction_compensation {} velocity_feedforward {} } }
+link { to_slave { delay_ms: 2 } to_master { delay_ms: 2 } })";
+  return parse_scene(text, "experiment");
+}
+
+// What really acts between user and device, in handle axes: no sensor's noise.
+Vec6 true_user(const AnyDevice& device, const Mat3& R_MG) {
+  const HandTruth& truth = std::get<SimHand<TwinDeltaGeometry>>(device).truth();
+  Vec6 F;
+  F << R_MG.transpose() * truth.user.force, R_MG.transpose() * truth.user.moment;
+  F[5] += truth.user.twist;
+  return F;
+}
+
+constexpr std::array kAxes = {"F_x", "F_y", "F_z", "M_x", "M_y", "M_z, twist"};
+
+struct Run {
+  std::array<Rms, 6> difference;  // of F_u and F_e
+  std::array<double, 6> mean{}, peak{};
+  std::array<Signal, 6> F_u, F_e;
+  Signal handle, robot;  // [m] along the direction of contact
+};
+
+Run run(const Scene& scene, double judged_from, double end) {
+  Run out;
+  Loopback loop(scene, {.duration_s = end});
+  int count = 0;
+  loop.on_master = [&](const MasterTick& t) {
+    const double now = seconds(t.now - loop.start());
+    const Vec6 F_u = true_user(loop.device(), t.handle.R_MG);
+    Vec6 F_e;
+    F_e << t.F_env_G.force, t.F_env_G.torque;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      out.F_u[i].add(now, F_u[k]), out.F_e[i].add(now, F_e[k]);
+      if (now < judged_from) continue;
+      out.difference[i].add(F_u[k] - F_e[k]);
+      out.mean[i] += F_u[k];
+      out.peak[i] = std::max(out.peak[i], std::abs(F_u[k]));
+    }
+    count += now >= judged_from;
+    out.handle.add(now, 0.18 - t.handle.X_MH.p.x());
+  };
+  loop.on_slave = [&](const SlaveTick& t) {
+    out.robot.add(seconds(t.now - loop.start()), t.X_SE.p.y() - 0.326057);
+  };
+  loop.run();
+  for (double& m : out.mean) m /= count;
+  return out;
+}
+
+std::array<Run, 3> run_all(const char* motion, const char* wall, double judged_from, double end) {
+  std::array<Run, 3> out;
+  for (std::size_t i = 0; i < 3; ++i)
+    out[i] = run(scene(kContenders[i], motion, wall), judged_from, end);
+  return out;
+}
+
+const char* unit(std::size_t axis) {
+  return axis < 3 ? "N" : "N m";
+}
+
+void tell_axes(Experiment& out, const std::array<Run, 3>& runs) {
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < 6; ++i)
+      out.figures.push_back({std::string(kContenders[c].name) + ": rms of F_u - F_e, " + kAxes[i],
+                             unit(i), "", NAN, runs[c].difference[i].value()});
+}
+
+Chart six_axes(const Run& r, const char* name, double from, double to) {
+  Chart chart{.title = "User and robot, six axes", .subtitle = name, .columns = 2};
+  for (const std::size_t i : {0, 3, 1, 4, 2, 5})
+    chart.panels.push_back(over_time(
+        std::string(kAxes[i]) + " [" + unit(i) + "]", from, to,
+        {drawn(r.F_u[i], "F_u, user", 0, from, to), drawn(r.F_e[i], "F_e, robot", 1, from, to)}));
+  return chart;
+}
+
+}  // namespace
+
+Experiment free_motion_full() {
+  constexpr double kFrom = 30, kEnd = 40;
+  const std::array<Run, 3> runs = run_all(kH1Motion, "", kFrom, kEnd);
+  Experiment out{.title = "H1  Free motion, six axes",
+                 .about =
+                     "Both programs' ticks and the simulated hand and arm: 50 mm up and down "
+                     "at 1 Hz, tilting and twisting all along."};
+  const double open = runs[0].peak[2];
+  out.figures = {
+      {"open loop: peak of F_z", "N", "", NAN, open},
+      {"published gains: peak of F_z reduced by", "%", "more than 60", NAN,
+       100 * (1 - runs[1].peak[2] / open), 60, 100},
+      {"published gains: mean of F_z", "N", "no offset", NAN, std::abs(runs[1].mean[2]), 0, 0.05},
+      {"ours: peak of F_z reduced by", "%", "", NAN, 100 * (1 - runs[2].peak[2] / open)},
+      {"ours: mean of F_z", "N", "", NAN, std::abs(runs[2].mean[2])}};
+  tell_axes(out, runs);
+  for (std::size_t c = 0; c < 3; ++c)
+    out.charts.push_back(six_axes(runs[c], kContenders[c].name, kFrom, kFrom + 4));
+  return out;
+}
+
+Experiment contact_full() {
+  constexpr double kFrom = 17, kEnd = 26;
+  const std::array<Run, 3> runs = run_all(kContactMotion, kWall, kFrom, kEnd);
+  Experiment out{.title = "H2, H3  Contact, six axes",
+                 .about =
+                     "Both programs' ticks and the simulated hand and arm, on a wall of "
+                     "500 N/m, 2 ms of network each way, tilting and twisting all along."};
+  const double open = runs[0].difference[0].value();
+  for (std::size_t c = 1; c < 3; ++c)
+    out.figures.push_back(
+        {std::string("H3, ") + kContenders[c].name + ": share of the open loop's, F_x", "%", "",
+         NAN, 100 * runs[c].difference[0].value() / open});
+  tell_axes(out, runs);
+  for (std::size_t c = 0; c < 3; ++c) {
+    Chart chart{.title = "Handle and robot", .subtitle = kContenders[c].name, .panel_height = 150};
+    chart.panels = {over_time("position [mm]", 0, kEnd,
+                              {drawn(runs[c].handle, "handle", 0, 0, kEnd, 1e3),
+                               drawn(runs[c].robot, "robot", 1, 0, kEnd, 1e3)}),
+                    over_time("F_x [N]", 0, kEnd,
+                              {drawn(runs[c].F_u[0], "F_u, user", 0, 0, kEnd),
+                               drawn(runs[c].F_e[0], "F_e, robot", 1, 0, kEnd)})};
+    out.charts.push_back(std::move(chart));
+  }
+  for (std::size_t c = 0; c < 3; ++c)
+    out.charts.push_back(six_axes(runs[c], kContenders[c].name, kFrom, kEnd));
+  return out;
+}
+
+}  // namespace farhand
