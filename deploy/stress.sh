@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller. About an hour on one core; with a
+# number, that many ticks of each.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+deploy/install.sh --tests
+cmake --preset release -DFARHAND_TESTS=ON >/dev/null
+cmake --build --preset release --target stress_ticks_test stress_controllers_test
+FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test
+FARHAND_STRESS_TICKS="${1:-1000000000}" build/release/bin/stress_controllers_test
