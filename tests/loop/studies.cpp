@@ -10,7 +10,7 @@ void Studies::add_to(Arguments& arguments) {
                    "transparency, or all");
   arguments.option("--page", experiment_.page,
                    "with --experiment: where its pictures go, experiments.html");
-  arguments.flag("--stability", stability_asked_,
+  arguments.flag("--stability", stability_.asked,
                  "where the scene stops being stable, predicted and found, and exit");
   arguments.flag("--grid", stability_.grid,
                  "with --stability: varied over masses, gains, delays and walls; minutes");
@@ -21,7 +21,7 @@ void Studies::add_to(Arguments& arguments) {
 std::optional<int> Studies::run(const Scene* scene, bool json) {
   experiment_.json = stability_.json = json;
   if (!experiment_.name.empty()) return run_experiments(experiment_);
-  if (stability_asked_) return run_stability(*scene, stability_);
+  if (stability_.asked) return run_stability(*scene, stability_);
   return {};
 }
 

@@ -25,7 +25,6 @@ class Studies {
 
  private:
   ExperimentOptions experiment_;
-  bool stability_asked_ = false;
   StabilityOptions stability_;
 };
 

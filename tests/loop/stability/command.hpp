@@ -9,6 +9,7 @@
 namespace farhand {
 
 struct StabilityOptions {
+  bool asked = false;
   bool grid = false;  // the scene varied over the whole grid instead of the scene itself
   bool json = false;
   std::optional<std::string> map;  // SVG file to write
