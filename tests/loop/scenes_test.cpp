@@ -17,9 +17,11 @@ namespace {
 #ifdef FARHAND_SANITIZED
 constexpr std::uint64_t kSeeds = 1;
 constexpr double kTraceSeconds = 10;
+constexpr std::optional<double> kSceneSeconds = 4;
 #else
 constexpr std::uint64_t kSeeds = 10;
 constexpr double kTraceSeconds = 70;
+constexpr std::optional<double> kSceneSeconds{};  // their own
 #endif
 
 Scene shipped(const std::string& name) {
@@ -55,7 +57,7 @@ void expect_clean(const RunResult& r, const std::string& what) {
 TEST(Scenes, EveryShippedSceneRunsWithoutAViolation) {
   for (const auto& path : shipped_scenes()) {
     const Scene scene = load_scene(path);
-    LoopbackOptions options;
+    LoopbackOptions options{.duration_s = kSceneSeconds};
     if (path.stem() == "trace") options.trace = figure_of_eight();
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       options.seed = seed;
@@ -258,7 +260,8 @@ TEST(Scenes, EveryOptionalStageCanBeLeftOut) {
   for (const auto& [name, remove] : without) {
     Scene scene = shipped("full");
     remove(scene.proto);
-    expect_clean(run_scene(scene, {}), std::string("full without ") + name);
+    expect_clean(run_scene(scene, {.duration_s = kSceneSeconds}),
+                 std::string("full without ") + name);
   }
 }
 
