@@ -37,6 +37,8 @@ struct Twist {
   Vec3 linear = Vec3::Zero();
 };
 
+inline constexpr double kGravity = 9.81;  // [m/s^2]
+
 // Force [N] and torque [N m] at a point. Members are named so that no interface relies on their
 // order.
 struct Wrench {

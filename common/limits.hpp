@@ -41,6 +41,14 @@ inline bool is_finite(const Wrench& F) noexcept {
   return F.force.allFinite() && F.torque.allFinite();
 }
 
+// Beyond this [N], [N m], [rad], [rad/s] no sensor means what it says, and no square or product
+// of what is below overflows.
+inline constexpr double kAbsurd = 1e6;
+// Finite, and sensible.
+inline bool plausible(const Wrench& F) noexcept {
+  return F.force.squaredNorm() + F.torque.squaredNorm() < kAbsurd * kAbsurd;
+}
+
 // v shortened to at most `max` in length; its direction stays. max >= 0.
 template <typename Vector>
 Vector clamp_norm(const Vector& v, double max) noexcept {

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "common/geometry.hpp"
 #include "common/scene_bilateral.hpp"
 #include "common/scene_rules.hpp"
 
@@ -66,8 +67,6 @@ void master_rules(Rules& r) {
   not_on_falcon<F>(r, {"max_torque_newton_meter", "max_twist_torque_newton_meter",
                        "max_torque_rate_newton_meter_per_s"});
 }
-
-constexpr double kGravity = 9.81;
 
 void guidance_rules(Rules& r) {
   using G = proto::Guidance;

@@ -7,13 +7,9 @@ namespace {
 
 constexpr double kSwitchTime = 0.1;  // [s] between open and closed loop
 constexpr double kRounding = 1e-9;   // relative, of a wrench through the motors' map and back
-constexpr double kAbsurd = 1e6;      // [N], [N m]: no sensor's, and no square of it overflows
 
 double size2(const Wrench& F) noexcept {
   return F.force.squaredNorm() + F.torque.squaredNorm();
-}
-bool plausible(const Wrench& F) noexcept {
-  return size2(F) < kAbsurd * kAbsurd;
 }
 bool missing_something(const Wrench& missing, const Wrench& wanted) noexcept {
   return size2(missing) > kRounding * kRounding * (1 + size2(wanted));

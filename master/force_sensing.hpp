@@ -12,7 +12,7 @@ namespace farhand {
 struct HandleForceSensingConfig {
   EndForces bias{};      // [N], in each sensor's own axes: E1 in M, E2 in A2
   double grip_mass = 0;  // [kg] that the sensors carry, its centre at H
-  Vec3 gravity_M = Vec3(0, 0, -9.81);
+  Vec3 gravity_M = Vec3(0, 0, -kGravity);
 };
 
 class HandleForceSensing {

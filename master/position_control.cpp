@@ -5,7 +5,6 @@
 namespace farhand {
 namespace {
 
-constexpr double kGravity = 9.81;
 // In safe motion the integral is for what is left near the target, friction and a wrong weight:
 // above this share of the drive the error is the hand's or the way's doing.
 constexpr double kIntegralShare = 0.25;

@@ -232,7 +232,6 @@ template <typename Geometry>
 EndForces SimHand<Geometry>::sense_ends() noexcept {
   EndForces ends = config_.sensor_bias;
   if constexpr (HandLinkage<Geometry>::kRotates) {
-    constexpr double kGravity = 9.81;
     const Mat3 R_GM = linkage_.R_MG().transpose();
     const Vec3 grip_M = config_.grip_mass * kGravity * plant_.down_M;
     Wrench F{.force = R_GM * (truth_.user.force + grip_M), .torque = R_GM * truth_.user.moment};

@@ -37,8 +37,8 @@ struct ArmModel {
        {1.0, {0, 0, 0.14}, {0.0040, 0.0040, 0.0012}, 15, 0.3, 0.1},    // assumed
        {0.5, {0, 0, 0}, {0.0008, 0.0008, 0.0006}, 15, 0.3, 0.1},       // assumed
        {0.4, {0, 0, 0.07}, {0.0006, 0.0006, 0.0003}, 8, 0.2, 0.05}}};  // assumed
-  double armature = 0.01;            // reflected motor inertia on every joint, assumed
-  Vec3 gravity = Vec3(0, 0, -9.81);  // in S
+  double armature = 0.01;                // reflected motor inertia on every joint, assumed
+  Vec3 gravity = Vec3(0, 0, -kGravity);  // in S
 };
 
 // The model prepared for repeated use: inertia of each link about its body frame's origin.

@@ -9,8 +9,7 @@ ForceSensing::ForceSensing(const ForceSensingConfig& config, double Ts) noexcept
     : config_(config), gain_(low_pass_gain(config.cutoff_hz, Ts)) {}
 
 const Wrench& ForceSensing::step(const Wrench& raw_E_S, const Pose& X_SE) noexcept {
-  constexpr double kAbsurd = 1e6;  // [N], [N m]: no sensor's, and no product of it overflows
-  if (!(raw_E_S.force.cwiseAbs().sum() + raw_E_S.torque.cwiseAbs().sum() < kAbsurd)) return F_E_S_;
+  if (!plausible(raw_E_S)) return F_E_S_;
   const Vec3 weight_S = config_.tool_mass * config_.gravity_S;
   const Wrench known{X_SE.R * config_.bias - weight_S, weight_S.cross(X_SE.R * config_.p_ET)};
   const Wrench clean = raw_E_S - known;

@@ -12,15 +12,15 @@ struct ForceSensingConfig {
   Vec3 p_ET = Vec3::Zero();  // its centre of mass from E, E axes [m]
   Vec3 bias = Vec3::Zero();  // of the force reading, E axes [N]
   double cutoff_hz = 0;      // 0: no filter
-  Vec3 gravity_S = Vec3(0, 0, -9.81);
+  Vec3 gravity_S = Vec3(0, 0, -kGravity);
 };
 
 class ForceSensing {
  public:
   ForceSensing(const ForceSensingConfig& config, double Ts) noexcept;
 
-  // raw: sensor reading at E, axes of S, bias and tool weight included. X_SE: pose of the tool. Not
-  // finite, or above a million: the last value.
+  // raw: sensor reading at E, axes of S, bias and tool weight included. X_SE: pose of the tool. A
+  // reading that is not plausible (common/limits.hpp): the last value.
   const Wrench& step(const Wrench& raw_E_S, const Pose& X_SE) noexcept;
 
  private:

@@ -5,6 +5,7 @@
 #include <concepts>
 
 #include "common/geometry.hpp"
+#include "common/limits.hpp"
 #include "common/time.hpp"
 
 namespace farhand {
@@ -17,10 +18,9 @@ struct RobotReading {
                    // bias and tool weight included
 };
 
-// Finite, and within a million rad and rad/s: no square or product of it overflows. Anything else
-// is no reading.
-inline bool sensible(const RobotReading& r) noexcept {
-  return r.q.cwiseAbs().sum() + r.dq.cwiseAbs().sum() < 1e6;
+// Anything else is no reading.
+inline bool plausible(const RobotReading& r) noexcept {
+  return r.q.cwiseAbs().sum() + r.dq.cwiseAbs().sum() < kAbsurd;
 }
 
 // read() and write() never block, allocate or throw. A torque written holds until the next.

@@ -20,7 +20,7 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.now = now;
   tick_.age = master.age;
   tick_.robot = robot;
-  tick_.robot.ok = robot.ok && sensible(robot);
+  tick_.robot.ok = robot.ok && plausible(robot);
   tick_.limits = kLimitNone;
   decide_mode(master);
   if (tick_.robot.ok) {
@@ -36,7 +36,7 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   return tick_;
 }
 
-inline void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
+void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   const MasterToSlave* in = master.newest;
   tick_.mode = next_mode(tick_.mode,
                          {.equipment_ok = tick_.robot.ok,
@@ -47,7 +47,7 @@ inline void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
-inline void Slave::move_target(const MasterToSlave* in) noexcept {
+void Slave::move_target(const MasterToSlave* in) noexcept {
   if (!started_) {
     started_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
@@ -64,7 +64,7 @@ inline void Slave::move_target(const MasterToSlave* in) noexcept {
   tick_.X_SE_target = workspace_.X_SE_target;
 }
 
-inline void Slave::follow_handle(const MasterToSlave& in) noexcept {
+void Slave::follow_handle(const MasterToSlave& in) noexcept {
   const Pose X_MH{in.q_MH.toRotationMatrix(), in.p_MH};
   if (!workspace_.coupled) {
     couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
@@ -72,17 +72,25 @@ inline void Slave::follow_handle(const MasterToSlave& in) noexcept {
     if (admittance_) admittance_->stop();
     tick_.X_SE_target = workspace_.X_SE_target;
   }
-  if (admittance_)
-    tick_.X_SE_target = admittance_->step(tick_.X_SE_target, bring(config_.workspace, in.F_user_M),
-                                          tick_.F_E_S, config_.workspace.rotation_lock);
-  else
-    tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
+  if (admittance_) return follow_push(in);
+  tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
   reach();
+}
+
+// A virtual mass goes where user and contact push it, and stops where the arm cannot follow.
+void Slave::follow_push(const MasterToSlave& in) noexcept {
+  const Pose last = tick_.X_SE_target;
+  tick_.X_SE_target = admittance_->step(last, bring(config_.workspace, in.F_user_M), tick_.F_E_S,
+                                        config_.workspace.rotation_lock);
+  reach();
+  if (tick_.inverse == Status::ok) return;
+  tick_.X_SE_target = last;
+  admittance_->stop();
 }
 
 // The tool target becomes a joint target if it can be reached; otherwise the last one stays, or
 // with a boundary slides along it.
-inline void Slave::reach() noexcept {
+void Slave::reach() noexcept {
   if (boundary_) {
     const BoundaryHold hold = boundary_->step(tick_.X_SE_target);
     tick_.inverse = hold.status;
@@ -100,7 +108,7 @@ inline void Slave::reach() noexcept {
 }
 
 // Speed limit on the joint command, servo, and the way out: finite, clamp, slew.
-inline void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept {
+void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept {
   const Vec6 move = q_target_ - tick_.q_cmd;
   const Vec6 allowed = move.cwiseMax(-q_step_).cwiseMin(q_step_);
   if (allowed != move) tick_.limits |= kLimitSpeed;
@@ -113,7 +121,7 @@ inline void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in)
   tick_.tau = limit_joint_torques(tau_max_, tau_step_, tau, tick_.tau, tick_.limits);
 }
 
-inline void Slave::answer(const MasterToSlave* in) noexcept {
+void Slave::answer(const MasterToSlave* in) noexcept {
   SlaveToMaster& out = tick_.out;
   out.p_SE = tick_.X_SE.p;
   out.q_SE = to_quat(tick_.X_SE.R);

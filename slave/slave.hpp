@@ -72,6 +72,7 @@ class Slave {
   void decide_mode(const Peer<MasterToSlave>& master) noexcept;
   void move_target(const MasterToSlave* in) noexcept;
   void follow_handle(const MasterToSlave& in) noexcept;
+  void follow_push(const MasterToSlave& in) noexcept;
   void reach() noexcept;
   void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
   void answer(const MasterToSlave* in) noexcept;

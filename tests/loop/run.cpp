@@ -6,6 +6,7 @@
 #include "common/scene_values.hpp"
 #include "master/record.hpp"
 #include "slave/record.hpp"
+#include "tests/loop/truth.hpp"
 
 namespace farhand {
 namespace {
@@ -47,33 +48,6 @@ class SettlingWatch {
   std::vector<Settling> begins_;
   std::size_t next_ = 0;
 };
-
-// As the device knows it, or else as it was measured.
-Vec3 true_handle(const AnyDevice& device, const Vec3& measured) {
-  return std::visit(
-      [&](const auto& d) -> Vec3 {
-        if constexpr (requires { d.truth(); })
-          return d.truth().state.p_MH;
-        else
-          return measured;
-      },
-      device);
-}
-
-// What the user truly exerts on the handle, in handle axes; nothing of a device that does not know.
-std::optional<Wrench> true_user(const AnyDevice& device, const Mat3& R_MG) {
-  return std::visit(
-      [&](const auto& d) -> std::optional<Wrench> {
-        if constexpr (requires { d.truth(); }) {
-          const HandLoad& user = d.truth().user;
-          Wrench F = R_MG.transpose() * Wrench{user.force, user.moment};
-          F.torque.z() += user.twist;
-          return F;
-        }
-        return {};
-      },
-      device);
-}
 
 // Where the handle's true position asks the tool to be, by the references the slave took.
 Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {

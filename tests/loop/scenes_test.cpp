@@ -67,6 +67,19 @@ TEST(Scenes, EveryShippedSceneRunsWithoutAViolation) {
   }
 }
 
+TEST(Scenes, EveryBilateralArchitecturePressesOnTheWallWithoutAViolation) {
+  for (const char* name : {"position_position", "force_position", "force_force"}) {
+    proto::Scene changed = shipped("twin_delta_closed").proto;
+    auto& b = *changed.mutable_bilateral();
+    if (name == std::string("position_position")) b.mutable_position_position();
+    if (name == std::string("force_position")) b.mutable_force_position();
+    if (name == std::string("force_force")) b.mutable_force_force();
+    const RunResult r = run_scene(parse_scene(changed.Utf8DebugString(), name), {});
+    expect_clean(r, name);
+    EXPECT_GT(r.slave.force.peak, 3) << name;
+  }
+}
+
 TEST(Scenes, TheSameSeedGivesTheSameBitsAndAnotherSeedOthers) {
   const Scene scene = shipped("full");
   const RunResult a = run_scene(scene, {.seed = 3}), b = run_scene(scene, {.seed = 3}),

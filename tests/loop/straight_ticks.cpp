@@ -81,7 +81,7 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
                            .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
   if (master.age > stale) limits |= kLimitStale;
 
-  if (!sensible(robot)) return record;
+  if (!plausible(robot)) return record;
   const ArmKinematics at = kinematics(arm, robot.q);
   out.V_SE = tool_twist(at.J, robot.dq);
   if (!started) {

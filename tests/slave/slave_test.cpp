@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace farhand {
 namespace {
 
@@ -65,6 +67,53 @@ TEST(Slave, FollowsTheHandleOnlyWhileTheDeadManIsHeld) {
   rig.message.p_MH.x() -= 0.02;
   const Vec6 q = rig.tick().q_cmd;
   EXPECT_EQ(rig.tick(100).q_cmd, q);
+}
+
+TEST(Slave, AVirtualMassWaitsAtTheEndOfTheReachAndComesBackAtOnce) {
+  SlaveConfig config = Rig::default_config();
+  config.admittance = AdmittanceConfig{.mass = 1, .damping = 10};
+  config.sends_robot = true;
+  Rig rig(config);
+  rig.engage();
+  rig.message.has_user_wrench = true;
+  rig.message.F_user_M.force = {-5, 0, 0};  // forward: half a metre per second
+  const SlaveTick& t = rig.tick(5000);
+  EXPECT_NE(t.limits & kLimitWorkspace, 0u);
+  EXPECT_LT((t.X_SE_target.p - t.X_SE.p).norm(), 1e-3);
+  EXPECT_GT(t.X_SE.p.y(), 0.5);
+  EXPECT_LT(t.out.p_MR.x(), 0);  // the same way, told in the handle's terms
+  const double there = t.X_SE.p.y();
+  rig.message.F_user_M.force = {5, 0, 0};
+  EXPECT_LT(rig.tick(100).X_SE.p.y(), there - 0.01);
+}
+
+TEST(Slave, TheUsersForcePushesTheArmBesideItsServo) {
+  SlaveConfig config = Rig::default_config();
+  Rig without(config);
+  config.user_force = UserForceConfig{};
+  Rig with(config);
+  for (Rig* rig : {&without, &with}) {
+    rig->engage();
+    rig->message.has_user_wrench = true;
+    rig->message.F_user_M.force = {-6, 0, 0};
+  }
+  const Vec6 more = with.tick(50).tau - without.tick(50).tau;
+  const ArmKinematics at = kinematics(config.arm, kTeleopHome);
+  const Vec6 pushed = joint_torques(at.J, {.force = {0, 6, 0}});
+  EXPECT_LT((more - pushed).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(Slave, AReadingThatCannotBeIsNoReading) {
+  for (const double value : {std::numeric_limits<double>::quiet_NaN(), 1e300}) {
+    Rig rig;
+    rig.engage();
+    const Vec6 tau = rig.tick(50).tau;
+    rig.robot.dq[2] = value;
+    const SlaveTick& t = rig.tick();
+    EXPECT_EQ(t.mode, Mode::idle) << value;
+    EXPECT_EQ(t.tau, tau) << value;
+    EXPECT_TRUE(t.out.V_SE.linear.allFinite()) << value;
+  }
 }
 
 TEST(Slave, ClutchHoldsTheToolAndReleasingItDoesNotMakeItJump) {

@@ -8,6 +8,7 @@
 #include "tests/loop/experiments/experiment.hpp"
 #include "tests/loop/experiments/our_loop.hpp"
 #include "tests/loop/loopback.hpp"
+#include "tests/loop/truth.hpp"
 
 namespace farhand {
 namespace {
@@ -41,13 +42,11 @@ link { to_slave { delay_ms: 2 } to_master { delay_ms: 2 } })";
   return parse_scene(text, "experiment");
 }
 
-// What really acts between user and device, in handle axes: no sensor's noise.
-Vec6 true_user(const AnyDevice& device, const Mat3& R_MG) {
-  const HandTruth& truth = std::get<SimHand<TwinDeltaGeometry>>(device).truth();
-  Vec6 F;
-  F << R_MG.transpose() * truth.user.force, R_MG.transpose() * truth.user.moment;
-  F[5] += truth.user.twist;
-  return F;
+// Force, then torque.
+Vec6 column(const Wrench& F) {
+  Vec6 out;
+  out << F.force, F.torque;
+  return out;
 }
 
 constexpr std::array kAxes = {"F_x", "F_y", "F_z", "M_x", "M_y", "M_z, twist"};
@@ -65,9 +64,8 @@ Run run(const Scene& scene, double judged_from, double end) {
   int count = 0;
   loop.on_master = [&](const MasterTick& t) {
     const double now = seconds(t.now - loop.start());
-    const Vec6 F_u = true_user(loop.device(), t.handle.R_MG);
-    Vec6 F_e;
-    F_e << t.F_env_G.force, t.F_env_G.torque;
+    const Vec6 F_u = column(*true_user(loop.device(), t.handle.R_MG));
+    const Vec6 F_e = column(t.F_env_G);
     for (std::size_t i = 0; i < 6; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       out.F_u[i].add(now, F_u[k]), out.F_e[i].add(now, F_e[k]);

@@ -112,7 +112,7 @@ Experiment contact_one_axis() {
        25},
       {"H3, ours: rms of F_u - F_e", "N", "", 0.14, r[2].rms, 0, 0.2},
       {"H3, ours: share of the open loop's", "%", "", NAN, 100 * r[2].rms / r[0].rms, 0, 10},
-      {"H3, ours: rms on 1000 N/m at 20 + 20 ms", "N", "", NAN, axis::contact(far).rms, 0, 2}};
+      {"H3, ours: rms on 1000 N/m at 20 + 20 ms", "N", "", NAN, axis::contact(far).rms, 0, 0.2}};
   for (const Contender& c : loops) out.charts.push_back(contact_chart(c));
   return out;
 }

@@ -1,0 +1,37 @@
+// What a simulated device knows and no controller sees.
+#pragma once
+
+#include <optional>
+
+#include "master/devices.hpp"
+
+namespace farhand {
+
+// As the device knows it, or else as it was measured.
+inline Vec3 true_handle(const AnyDevice& device, const Vec3& measured) {
+  return std::visit(
+      [&](const auto& d) -> Vec3 {
+        if constexpr (requires { d.truth(); })
+          return d.truth().state.p_MH;
+        else
+          return measured;
+      },
+      device);
+}
+
+// What the user truly exerts on the handle, in handle axes; nothing of a device that does not know.
+inline std::optional<Wrench> true_user(const AnyDevice& device, const Mat3& R_MG) {
+  return std::visit(
+      [&](const auto& d) -> std::optional<Wrench> {
+        if constexpr (requires { d.truth(); }) {
+          const HandLoad& user = d.truth().user;
+          Wrench F = R_MG.transpose() * Wrench{user.force, user.moment};
+          F.torque.z() += user.twist;
+          return F;
+        }
+        return {};
+      },
+      device);
+}
+
+}  // namespace farhand
