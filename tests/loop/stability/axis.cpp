@@ -83,6 +83,10 @@ AxisModel axis_model(const Scene& scene, int surface) {
     throw std::runtime_error(scene.path +
                              " has no hand, arm and surface to be analysed; add sim_hand, sim_arm "
                              "and a surface in it");
+  if (s.has_bilateral())
+    throw std::runtime_error(scene.path +
+                             ": only position-force is analysed; remove bilateral { ... } to see "
+                             "what it would be");
   const SlaveConfig slave = slave_config(s);
   const SimArmConfig arm = arm_config(s);
   const Surface& wall = arm.surfaces.items[static_cast<std::size_t>(surface)];

@@ -66,7 +66,7 @@ struct AxisModel {
 };
 
 // Axes to analyse: one per surface of the simulated arm. Throws with a sentence if there is none,
-// or no simulated hand or arm to be analysed.
+// no simulated hand or arm to be analysed, or a bilateral architecture other than position-force.
 int surfaces(const Scene& scene);
 AxisModel axis_model(const Scene& scene, int surface);
 
