@@ -122,6 +122,7 @@ void force_control_rules(Rules& r) {
 
   using C = proto::ClosedLoop;
   below_half_the_rate<C>(r, "cutoff_hz");
+  below_half_the_rate<proto::ForceGains>(r, "cutoff_hz");
   below_half_the_rate<proto::ForceGains>(r, "derivative_cutoff_hz");
   each<C>(
       r, "axis",
@@ -143,6 +144,7 @@ void force_control_rules(Rules& r) {
           "twist_inertia_kg_m2", "twist_damping_newton_m_s"});
   not_on_falcon<proto::ContactDamping>(
       r, {"rotation_damping_newton_m_s", "twist_damping_newton_m_s", "torque_newton_meter"});
+  not_on_falcon<proto::DeviceFeedforward>(r, {"rotation_inertia_share"});
   not_on_falcon<proto::DisturbanceObserver>(r, {"share"});
 }
 

@@ -11,20 +11,22 @@ namespace {
 
 constexpr double kMilli = 1e-3;
 
-PidConfig gains(const proto::ForceGains& g) {
-  return {.kp = g.kp(),
-          .ki = g.ki_per_s(),
-          .kd = g.kd_s(),
-          .derivative_cutoff_hz = g.derivative_cutoff_hz()};
+ForceAxisConfig force_axis(const proto::ForceGains& g, const proto::ClosedLoop& l) {
+  return {.gains = {.kp = g.kp(),
+                    .ki = g.ki_per_s(),
+                    .kd = g.kd_s(),
+                    .derivative_cutoff_hz = g.derivative_cutoff_hz()},
+          .cutoff_hz = g.has_cutoff_hz() ? g.cutoff_hz() : l.cutoff_hz()};
 }
 
 ForceLoopConfig closed_loop(const proto::ClosedLoop& l, bool rotates) {
-  const PidConfig force = gains(l.force()), torque = rotates ? gains(l.torque()) : PidConfig{},
-                  twist = rotates ? gains(l.twist()) : PidConfig{};
+  const ForceAxisConfig none, force = force_axis(l.force(), l),
+                              torque = rotates ? force_axis(l.torque(), l) : none,
+                              twist = rotates ? force_axis(l.twist(), l) : none;
   ForceLoopConfig c{.axes = {force, force, force, torque, torque, twist},
-                    .cutoff_hz = l.cutoff_hz(),
                     .filter_error = l.filter() == proto::ClosedLoop::ERROR};
-  for (const auto& a : l.axis()) c.axes[static_cast<std::size_t>(a.axis())] = gains(a.gains());
+  for (const auto& a : l.axis())
+    c.axes[static_cast<std::size_t>(a.axis())] = force_axis(a.gains(), l);
   return c;
 }
 
@@ -53,6 +55,7 @@ DeviceFeedforwardConfig feedforward(const proto::DeviceFeedforward& f) {
           .damping = f.damping_share(),
           .friction = f.friction_share(),
           .inertia = f.inertia_share(),
+          .rotation_inertia = f.rotation_inertia_share(),
           .friction_lead = f.friction_lead_ms() * kMilli};
 }
 

@@ -109,6 +109,7 @@ SimHandConfig sim_hand_config(const Scene& scene, const std::optional<std::strin
   c.force_noise = h.force_noise_newton();
   c.sensor_bias = end_forces(h.sensor_bias_newton());
   c.grip_mass = h.grip_mass_kg();
+  c.motor_gain = h.motor_gain();
   c.rate = h.rate_hz();
   return c;
 }

@@ -7,8 +7,9 @@ DeviceFeedforward::DeviceFeedforward(const DeviceFeedforwardConfig& config,
     : friction_(model),
       damping_(config.damping *
                per_axis(model.translation.damping, model.tilt.damping, model.twist.damping)),
-      inertia_(config.inertia *
-               per_axis(model.translation.inertia, model.tilt.inertia, model.twist.inertia)),
+      inertia_(per_axis(config.inertia * model.translation.inertia,
+                        config.rotation_inertia * model.tilt.inertia,
+                        config.rotation_inertia * model.twist.inertia)),
       lift_M_(-config.gravity * model.weight_M),
       lead_(config.friction_lead) {
   for (DeviceGroup* g : {&friction_.translation, &friction_.tilt, &friction_.twist})

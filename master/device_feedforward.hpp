@@ -16,6 +16,7 @@ struct DeviceFeedforwardConfig {
   double damping = 0.9;
   double friction = 0.9;
   double inertia = 0.8;
+  double rotation_inertia = 0.4;  // behind tilt and twist stands no mass of the hand
   double friction_lead = 0.0025;  // [s]
 };
 

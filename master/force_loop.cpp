@@ -15,8 +15,11 @@ double axis(const Wrench& F, std::size_t i) noexcept {
 }  // namespace
 
 ForceLoop::ForceLoop(const ForceLoopConfig& config, double Ts) noexcept
-    : gain_(low_pass_gain(config.cutoff_hz, Ts)), filter_error_(config.filter_error) {
-  for (std::size_t i = 0; i < pid_.size(); ++i) pid_[i] = make_pid(config.axes[i], Ts);
+    : filter_error_(config.filter_error) {
+  for (std::size_t i = 0; i < pid_.size(); ++i) {
+    pid_[i] = make_pid(config.axes[i].gains, Ts);
+    gain_[i] = low_pass_gain(config.axes[i].cutoff_hz, Ts);
+  }
 }
 
 Wrench ForceLoop::step(const Wrench& F_user_G, const Wrench& F_desired_G) noexcept {
@@ -26,7 +29,7 @@ Wrench ForceLoop::step(const Wrench& F_user_G, const Wrench& F_desired_G) noexce
     I_before_[i] = state_[i].I;
     if (!std::isfinite(user) || !std::isfinite(desired)) continue;
     const double input = filter_error_ ? user - desired : user;
-    filtered_[i] = primed_ ? filtered_[i] + gain_ * (input - filtered_[i]) : input;
+    filtered_[i] = primed_ ? filtered_[i] + gain_[i] * (input - filtered_[i]) : input;
     axis(out, i) = farhand::step(pid_[i], state_[i], filtered_[i], filter_error_ ? 0 : desired);
   }
   primed_ = true;

@@ -1,6 +1,6 @@
 // The closed force loop of the handle, F = K(F_u - F_d), on the six axes of G (twin-delta
 // publication eq. 39-47 with its errata; reference sections 9.1, 9.4): one discrete PID per axis
-// (common/pid.hpp) and one pole at fc before it, on the measured force as published, or on the
+// (common/pid.hpp) and one pole at fc before each, on the measured force as published, or on the
 // error. The pole delays slow forces by 1 / (2 pi fc): 5.3 ms at 30 Hz, 19 ms at 8.5 Hz.
 #pragma once
 
@@ -11,10 +11,13 @@
 
 namespace farhand {
 
-struct ForceLoopConfig {
-  // force x y z, torque x y z; [1], [1/s], [s]. Their limits stay infinite: see unwind().
-  std::array<PidConfig, 6> axes{};
+struct ForceAxisConfig {
+  PidConfig gains;        // [1], [1/s], [s]; its limit stays infinite: see unwind()
   double cutoff_hz = 30;  // 0: no pole
+};
+
+struct ForceLoopConfig {
+  std::array<ForceAxisConfig, 6> axes{};  // force x y z, torque x y z
   bool filter_error = false;
 };
 
@@ -37,7 +40,7 @@ class ForceLoop {
 
  private:
   std::array<Pid, 6> pid_;
-  double gain_;
+  std::array<double, 6> gain_;
   bool filter_error_;
   bool primed_ = false;
   std::array<double, 6> filtered_{};

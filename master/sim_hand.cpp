@@ -103,11 +103,11 @@ void SimHand<Geometry>::write(TimePoint now, const Vec6& tau) noexcept {
   advance(now);
   truth_.tau.setZero();
   if (tau.allFinite()) {
-    const double most = tau.head<HandLinkage<Geometry>::kMotors>().cwiseAbs().maxCoeff();
+    constexpr int kMotors = HandLinkage<Geometry>::kMotors;
+    const double most = config_.motor_gain * tau.head<kMotors>().cwiseAbs().maxCoeff();
     const bool too_much = most > config_.max_motor_torque;
-    const double share = too_much ? config_.max_motor_torque / most : 1;
-    truth_.tau.template head<HandLinkage<Geometry>::kMotors>() =
-        share * tau.head<HandLinkage<Geometry>::kMotors>();
+    const double share = config_.motor_gain * (too_much ? config_.max_motor_torque / most : 1);
+    truth_.tau.template head<kMotors>() = share * tau.head<kMotors>();
     truth_.saturated += too_much;
   } else {
     ++truth_.bad_torque;

@@ -48,6 +48,7 @@ struct SimHandConfig {
   std::optional<Vec3> start_p_MH{};  // without: the middle of the workspace
   double encoder_step = 1.3e-4;      // [rad] of a motor joint; 0: ideal
   double max_motor_torque = 3.0;     // [N m] > 0, the vector is scaled as a whole
+  double motor_gain = 1;             // what the motors give of the torque they are told
   bool force_sensor = true;          // in a handle that rotates; a Falcon has none
   double force_noise = 0.0212;       // [N] standard deviation, each axis of either end's sensor
   EndForces sensor_bias{};           // [N] of the same

@@ -192,6 +192,12 @@ inline std::vector<BrokenScene> broken_scenes() {
                      "closed_loop { axis { axis: TWIST gains {} }\n @axis { axis: TWIST gains {} } "
                      "}"),
        "master.force_feedback.closed_loop.axis[1]", "names an axis a second time"},
+      {with_feedback("twin_delta {} force_sensing", "closed_loop { twist {\n cutoff_hz: @600 } }"),
+       "master.force_feedback.closed_loop.twist.cutoff_hz", "600 Hz is not below half"},
+      {with_feedback("falcon",
+                     "device_model {} device_feedforward {\n rotation_inertia_share: @0.5 }"),
+       "master.force_feedback.device_feedforward.rotation_inertia_share",
+       "means nothing on a Falcon"},
       {"master { " + falcon + "\n derivative_cutoff_hz: @600 } }",
        "master.position_control.derivative_cutoff_hz", "600 Hz is not below half"},
       {"rate_hz: 100 master { velocity_cutoff_hz: 20 " + falcon + "\n kd_newton_s_per_m: @500 } }",

@@ -73,12 +73,16 @@ TEST(DeviceObserver, WhatNobodyToldItIsTheUnexplainedLoad) {
 
 TEST(DeviceObserver, FeedforwardGivesTheDeviceWhatItTakes) {
   const DeviceModel model;
-  const DeviceFeedforward all({.gravity = 1, .damping = 1, .friction = 1, .inertia = 1}, model);
+  const DeviceFeedforward all(
+      {.gravity = 1, .damping = 1, .friction = 1, .inertia = 1, .rotation_inertia = 0.5}, model);
   DeviceMotion still;
   EXPECT_LT((all.step(still).head<3>().matrix() + model.weight_M).norm(), 1e-12);
   DeviceMotion m;
   m.v[0] = 0.3, m.a[0] = 2;
   EXPECT_NEAR(all.step(m)[0], 4 * 0.3 + 0.8 + 2, 1e-9);  // B v, F_k sliding, m a
+  m = {};
+  m.a[6] = 10;
+  EXPECT_NEAR(all.step(m)[6], 0.5 * model.twist.inertia * 10, 1e-9);
 }
 
 TEST(DeviceObserver, ContactDampingComesAndGoesSmoothly) {

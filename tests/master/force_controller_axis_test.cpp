@@ -92,9 +92,9 @@ TEST(ForceControllerAxis, TheWholeCommandMayDoubleBeforeItsMargin) {
   for (const double mass : {0.4, 4.0}) {
     LoopConfig c = noisy(ours(1)), p = noisy(published());
     c.hand.m = p.hand.m = mass;
-    const double margin = gain_margin_db(c);
+    const double margin = margin_db(c);
     std::printf("hand %.1f kg: gain margin %.1f dB, published %.1f dB\n", mass, margin,
-                gain_margin_db(p));
+                margin_db(p));
     EXPECT_GE(margin, 6) << mass;
     EXPECT_LT(margin, 23) << "the probe finds no end";
   }
@@ -104,7 +104,7 @@ TEST(ForceControllerAxis, ASlowPlantIsHiddenTooWithItsOwnGains) {
   LoopConfig c = noisy(ours_slow(3));
   c.queue = 2, c.motor_hz = 150, c.sensor_hz = 200;
   const Gone g = gone(c);
-  const double margin = gain_margin_db(c);
+  const double margin = margin_db(c);
   print("2 ms, 150 Hz, 200 Hz", g);
   std::printf("gain margin %.1f dB\n", margin);
   EXPECT_GE(g.per_mm, 0.88);

@@ -13,8 +13,8 @@ const WrenchLimits kLimits{
     .force = 10, .torque = 1, .twist_torque = 0.15, .force_step = 0.5, .torque_step = 0.1};
 
 ForceLoopConfig loop(double kp, double ki = 0) {
-  ForceLoopConfig l{.cutoff_hz = 30};
-  for (PidConfig& axis : l.axes) axis = {.kp = kp, .ki = ki};
+  ForceLoopConfig l;
+  l.axes.fill({.gains = {.kp = kp, .ki = ki}});
   return l;
 }
 ForceControllerConfig open_loop() {
@@ -73,13 +73,27 @@ TEST(ForceController, StepsOfTheEnvironmentBecomeRamps) {
 
 TEST(ForceController, ClosedLoopHelpsTheUserOnEveryAxisByItsOwnGain) {
   ForceControllerConfig config = closed_loop(1.2);
-  config.closed_loop->axes[4].kp = 0.5;
+  config.closed_loop->axes[4].gains.kp = 0.5;
   Rig rig(config);
   rig.F_user = {Vec3(1, 2, -1), Vec3(0.1, 0.2, -0.05)};
   rig.F_env = {Vec3(0, 1, 1), Vec3(0, 0, -0.01)};
   rig.tick(2000);
   EXPECT_LT((rig.F.force - Vec3(1.2, 0.2, -3.4)).norm(), 1e-12);
   EXPECT_LT((rig.F.torque - Vec3(0.12, 0.1, -0.038)).norm(), 1e-12);
+}
+
+TEST(ForceController, EveryAxisHasAFilterOfItsOwn) {
+  ForceControllerConfig config = closed_loop(1);
+  config.closed_loop->axes[1].cutoff_hz = 0;
+  config.closed_loop->axes[2].cutoff_hz = 5;
+  Rig rig(config);
+  rig.tick(200);  // the share has come in
+  rig.F_user.force = Vec3(0.1, 0.1, 0.1);
+  rig.tick();
+  for (int i = 0; i < 3; ++i) {
+    const double cutoff = config.closed_loop->axes[static_cast<std::size_t>(i)].cutoff_hz;
+    EXPECT_NEAR(rig.F.force[i], 0.1 * low_pass_gain(cutoff, kTs), 1e-12) << i;
+  }
 }
 
 TEST(ForceController, AtEquilibriumTheEnvironmentIsReflectedWhateverTheGains) {

@@ -198,6 +198,19 @@ TEST(SimHand, TorquesBeyondTheMotorsAreScaledAsAWhole) {
   EXPECT_EQ(device.truth().saturated, 1u);
 }
 
+TEST(SimHand, MotorsMayGiveMoreThanTheyAreTold) {
+  SimHandConfig config = quiet();
+  config.max_motor_torque = 0.9;
+  config.motor_gain = 1.5;
+  auto device = hand<FalconGeometry>(config);
+  device.write(kStart, (Vec6() << 0.2, -0.4, 0, 0, 0, 0).finished());
+  EXPECT_LT((device.truth().tau - (Vec6() << 0.3, -0.6, 0, 0, 0, 0).finished()).norm(), 1e-15);
+  EXPECT_EQ(device.truth().saturated, 0u);
+  device.write(kStart, (Vec6() << 0.4, -0.8, 0, 0, 0, 0).finished());
+  EXPECT_LT((device.truth().tau - (Vec6() << 0.45, -0.9, 0, 0, 0, 0).finished()).norm(), 1e-15);
+  EXPECT_EQ(device.truth().saturated, 1u);
+}
+
 TEST(SimHand, ATorqueThatIsNotFiniteIsZeroAndCounted) {
   auto device = hand<TwinDeltaGeometry>(quiet());
   device.write(kStart, Vec6::Constant(0.5));

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "tests/support/axis_model.hpp"
+#include "tests/support/gain_margin.hpp"
 
 namespace farhand::axis {
 
@@ -16,8 +18,8 @@ inline ForceControllerConfig open_loop() {
 inline ForceControllerConfig with_loop(const PidConfig& gains, double cutoff_hz,
                                        bool filter_error) {
   ForceControllerConfig c = open_loop();
-  c.closed_loop = ForceLoopConfig{.cutoff_hz = cutoff_hz, .filter_error = filter_error};
-  c.closed_loop->axes.fill(gains);
+  c.closed_loop = ForceLoopConfig{.filter_error = filter_error};
+  c.closed_loop->axes.fill({.gains = gains, .cutoff_hz = cutoff_hz});
   return c;
 }
 
@@ -39,17 +41,16 @@ inline ForceControllerConfig ours(int motor_delay) {
 // The same for motors that come late and a sensor that is slow.
 inline ForceControllerConfig ours_slow(int motor_delay) {
   ForceControllerConfig c = ours(motor_delay);
-  c.closed_loop->axes.fill({.kp = 5, .ki = 5 * kTurn * 3});
+  for (ForceAxisConfig& axis : c.closed_loop->axes) axis.gains = {.kp = 5, .ki = 5 * kTurn * 3};
   c.device->observer = {.velocity_hz = 20, .acceleration_hz = 12};
   c.feedforward = DeviceFeedforwardConfig{
       .damping = 0.8, .friction = 0.8, .inertia = 0.5, .friction_lead = 0.004};
   return c;
 }
 
-// How restless the command is, rms of its steps [N], with the whole command times `gain`: held
-// still, moved (H1), and held still by a device that lost its friction.
-inline std::array<double, 3> unrest(const LoopConfig& config, double gain) {
-  std::array<double, 3> out{};
+// Of the whole command times `gain`; moved as in H1.
+inline Unrest unrest(const LoopConfig& config, double gain) {
+  Unrest out{};
   for (std::size_t i = 0; i < out.size(); ++i) {
     LoopConfig c = config;
     c.command_gain = gain;
@@ -71,24 +72,8 @@ inline std::array<double, 3> unrest(const LoopConfig& config, double gain) {
   return out;
 }
 
-// A loop far from its margin is restless in proportion to its gain. Three times that is beyond it.
-inline bool calm(const LoopConfig& config, double gain, const std::array<double, 3>& at_one) {
-  const std::array<double, 3> now = unrest(config, gain);
-  for (std::size_t i = 0; i < now.size(); ++i)
-    if (!(now[i] <= 3 * gain * at_one[i])) return false;
-  return true;
-}
-
-// By how much the whole command, feed-forward included, may grow before the loop becomes restless
-// [dB], up to 24.
-inline double gain_margin_db(const LoopConfig& config, int halvings = 6) {
-  const std::array<double, 3> at_one = unrest(config, 1);
-  double low = 0, high = 24;
-  for (int i = 0; i < halvings; ++i) {
-    const double middle = (low + high) / 2;
-    (calm(config, std::pow(10, middle / 20), at_one) ? low : high) = middle;
-  }
-  return low;
+inline double margin_db(const LoopConfig& config) {
+  return gain_margin_db([&](double gain) { return unrest(config, gain); });
 }
 
 // H2 and H3 from 16 s on, in contact.

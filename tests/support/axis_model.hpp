@@ -14,15 +14,13 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <vector>
 
 #include "common/pid.hpp"
 #include "common/random.hpp"
 #include "master/force_controller.hpp"
+#include "tests/support/periodic.hpp"
 
 namespace farhand::axis {
-
-inline constexpr double kTurn = 2 * std::numbers::pi;
 
 struct Device {
   double m = 1.0, B = 4, F_k = 0.8, F_g = 2.0;
@@ -188,52 +186,18 @@ inline Wish h2_wish(double t) {
   return w;
 }
 
-// ---- figures of a periodic run
-
-struct Swing {
-  double mean = 0;       // [N] of F_u
-  double peak = 0;       // [N] largest |F_u|
-  double half = 0;       // [N] half of the swing of the mean period
-  double per_mm = 0;     // [N/mm] of the handle's own swing
-  double component = 0;  // [N/mm] at the wish's frequency
-  double felt = 0;       // [N rms] of F_u, what is not periodic
-  double noise = 0;      // [N rms] of the measured force, likewise
-};
-
 // F_u over the last `periods` of a wish of `hz` after `settle` seconds.
 inline Swing swing(const LoopConfig& config, double hz, double amplitude, double settle,
                    int periods) {
   Loop loop(config);
   const auto wish = h1_wish(hz, amplitude);
-  const auto n = static_cast<std::size_t>(std::lround(1 / (hz * config.Ts)));
+  Periodic figures(std::lround(1 / (hz * config.Ts)), periods);
   while (loop.last().t < settle - config.Ts / 2) loop.tick(wish);
-  std::vector<double> F(n), x(n), F2(n), M(n), M2(n);
-  Swing out;
-  for (int p = 0; p < periods; ++p)
-    for (std::size_t i = 0; i < n; ++i) {
-      const Tick& t = loop.tick(wish);
-      F[i] += t.F_u / periods, F2[i] += t.F_u * t.F_u / periods, x[i] += t.x / periods;
-      M[i] += t.F_measured / periods, M2[i] += t.F_measured * t.F_measured / periods;
-      out.peak = std::max(out.peak, std::abs(t.F_u));
-    }
-  const auto half = [](const std::vector<double>& v) {
-    return (*std::max_element(v.begin(), v.end()) - *std::min_element(v.begin(), v.end())) / 2;
-  };
-  double c = 0, s = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double angle = kTurn * static_cast<double>(i) / static_cast<double>(n);
-    out.mean += F[i] / static_cast<double>(n);
-    c += F[i] * std::cos(angle) * 2 / static_cast<double>(n);
-    s += F[i] * std::sin(angle) * 2 / static_cast<double>(n);
-    out.felt += std::max(0.0, F2[i] - F[i] * F[i]) / static_cast<double>(n);
-    out.noise += std::max(0.0, M2[i] - M[i] * M[i]) / static_cast<double>(n);
+  while (!figures.complete()) {
+    const Tick& t = loop.tick(wish);
+    figures.add(t.F_u, t.x, t.F_measured);
   }
-  const double unbiased = periods > 1 ? periods / (periods - 1.0) : 1;
-  out.felt = std::sqrt(out.felt * unbiased), out.noise = std::sqrt(out.noise * unbiased);
-  out.half = half(F);
-  out.per_mm = out.half / (half(x) * 1e3);
-  out.component = std::hypot(c, s) / (half(x) * 1e3);
-  return out;
+  return figures.swing();
 }
 
 }  // namespace farhand::axis

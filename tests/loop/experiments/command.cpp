@@ -20,13 +20,9 @@ struct Named {
   Experiment (*run)();
 };
 constexpr Named kExperiments[] = {
-    {"f1", falcon_step},
-    {"f2", falcon_pushes},
-    {"h1", free_motion_one_axis},
-    {"h1", free_motion_full},
-    {"h2", contact_one_axis},
-    {"h2", contact_full},
-    {"transparency", transparency},
+    {"f1", falcon_step},         {"f2", falcon_pushes},    {"h1", free_motion_one_axis},
+    {"h1", free_motion_full},    {"h2", contact_one_axis}, {"h2", contact_full},
+    {"pareto", pareto_one_axis}, {"pareto", pareto_full},  {"transparency", transparency},
 };
 
 // H2 and H3 are one run each of the same comparison.
@@ -40,7 +36,7 @@ std::vector<Experiment> run_named(const std::string& name) {
     if (name == "all" || canonical(name) == e.name) out.push_back(e.run());
   if (out.empty())
     throw std::runtime_error("there is no experiment '" + name +
-                             "': give f1, f2, h1, h2, h3, transparency or all");
+                             "': give f1, f2, h1, h2, h3, pareto, transparency or all");
   return out;
 }
 

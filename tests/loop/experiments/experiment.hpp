@@ -42,6 +42,9 @@ Experiment free_motion_full();
 // Contact in teleoperation, open (H2) and closed loop (H3), likewise.
 Experiment contact_one_axis();
 Experiment contact_full();
+// What is left of the device against noise and margin, for every combination of stages, likewise.
+Experiment pareto_one_axis();
+Experiment pareto_full();
 // Mass, damping and stiffness that the hand feels by frequency, for every bilateral architecture.
 Experiment transparency();
 

@@ -1,12 +1,13 @@
 // The same on six axes: both ticks, the links, the simulated hand and arm, in virtual time.
+#include <spdlog/fmt/fmt.h>
+
 #include <array>
 #include <cmath>
 
-#include "common/scene.hpp"
 #include "common/statistics.hpp"
 #include "tests/loop/experiments/columns.hpp"
 #include "tests/loop/experiments/experiment.hpp"
-#include "tests/loop/experiments/our_loop.hpp"
+#include "tests/loop/experiments/full_scene.hpp"
 #include "tests/loop/loopback.hpp"
 #include "tests/loop/truth.hpp"
 
@@ -21,8 +22,6 @@ constexpr std::array kContenders = {Contender{"open loop", ""},
                                     Contender{"published gains", "closed_loop {}"},
                                     Contender{"ours", kOurLoop}};
 
-constexpr const char* kH1Motion = R"(
-  sine { from_s: 1 frequency_hz: 1 amplitude_m: [0, 0, 0.05] amplitude_deg: [6, 8, 12] })";
 constexpr const char* kContactMotion = R"(
   sine { from_s: 1 frequency_hz: 0.3 amplitude_deg: [8, 10, 15] }
   sine { from_s: 1 until_s: 11 frequency_hz: 0.4 amplitude_m: [0.03, 0, 0] }
@@ -30,17 +29,6 @@ constexpr const char* kContactMotion = R"(
   sine { from_s: 15 frequency_hz: 0.5 amplitude_m: [0.008, 0, 0] })";
 constexpr const char* kWall = R"(
   surface { plane { point_m: [0, 0.356057, 0] normal: [0, -1, 0] } stiffness_newton_per_m: 500 })";
-
-Scene scene(const Contender& contender, const char* motion, const char* wall) {
-  const std::string text = std::string("master { twin_delta {} force_sensing {} force_feedback {") +
-                           contender.stages + "} sim_hand { operator { motion {" + motion +
-                           " max_speed_m_per_s: 0.6 } } } }\nslave { sim_arm {" + wall +
-                           R"( force_sensor { force_noise_newton: 0 torque_noise_newton_meter: 0 } }
-    workspace {} force_sensing {}
-    joint_pid { gravity_compensation {} friction_compensation {} velocity_feedforward {} } }
-link { to_slave { delay_ms: 2 } to_master { delay_ms: 2 } })";
-  return parse_scene(text, "experiment");
-}
 
 // Force, then torque.
 Vec6 column(const Wrench& F) {
@@ -88,8 +76,36 @@ Run run(const Scene& scene, double judged_from, double end) {
 std::array<Run, 3> run_all(const char* motion, const char* wall, double judged_from, double end) {
   std::array<Run, 3> out;
   for (std::size_t i = 0; i < 3; ++i)
-    out[i] = run(scene(kContenders[i], motion, wall), judged_from, end);
+    out[i] = run(parse({.stages = kContenders[i].stages, .motion = motion, .wall = wall}),
+                 judged_from, end);
   return out;
+}
+
+// A device that is not what the controller's model says: mass, damping, friction and weight off by
+// 20 % each way.
+std::string corner(int k) {
+  const auto off = [k](int bit) { return (k >> bit) & 1 ? 1.2 : 0.8; };
+  return fmt::format(
+      "device_mass_kg: {} device_damping_newton_s_per_m: {} device_friction_newton: {} "
+      "device_weight_newton: {} rotation_inertia_kg_m2: {} rotation_damping_newton_m_s: {} "
+      "rotation_friction_newton_m: {} twist_inertia_kg_m2: {} twist_damping_newton_m_s: {}",
+      off(0), 4 * off(1), 0.8 * off(2), 2 * off(3), 0.01 * off(0), 0.02 * off(1), 0.02 * off(2),
+      5e-4 * off(0), 2e-3 * off(1));
+}
+
+// On its worst corner, what is left of each axis' F_u - F_e.
+void tell_corners(Experiment& out) {
+  std::array<double, 6> worst{};
+  for (int k = 0; k < 16; ++k) {
+    const Run open = run(parse({.motion = kH1Motion, .hand = corner(k)}), 5, 9);
+    const Run ours = run(parse({.stages = kOurLoop, .motion = kH1Motion, .hand = corner(k)}), 5, 9);
+    for (std::size_t i = 0; i < 6; ++i)
+      worst[i] = std::max(worst[i], ours.difference[i].value() / open.difference[i].value());
+  }
+  for (std::size_t i = 0; i < 6; ++i)
+    out.figures.push_back(
+        {std::string("ours, device off by 20 %, worst corner: left of ") + kAxes[i], "%", "", NAN,
+         100 * worst[i]});
 }
 
 const char* unit(std::size_t axis) {
@@ -130,6 +146,7 @@ Experiment free_motion_full() {
       {"ours: peak of F_z reduced by", "%", "", NAN, 100 * (1 - runs[2].peak[2] / open)},
       {"ours: mean of F_z", "N", "", NAN, std::abs(runs[2].mean[2])}};
   tell_axes(out, runs);
+  tell_corners(out);
   for (std::size_t c = 0; c < 3; ++c)
     out.charts.push_back(six_axes(runs[c], kContenders[c].name, kFrom, kFrom + 4));
   return out;

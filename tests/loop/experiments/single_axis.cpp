@@ -68,12 +68,12 @@ Chart contact_chart(const Contender& c) {
 
 Experiment free_motion_one_axis() {
   const std::array<Contender, 3> loops = contenders(1);
-  std::array<axis::Swing, 3> s;
+  std::array<Swing, 3> s;
   for (std::size_t i = 0; i < 3; ++i) s[i] = axis::swing(loops[i].loop, 1, 0.05, 30, 10);
   const auto gone = [&](std::size_t i, auto member) {
     return 100 * (1 - s[i].*member / (s[0].*member));
   };
-  using S = axis::Swing;
+  using S = Swing;
   Experiment out{.title = "H1  Free motion, one axis",
                  .about =
                      "The hand moves 50 mm to and fro at 1 Hz; the robot touches nothing. "

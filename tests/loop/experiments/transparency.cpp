@@ -8,7 +8,7 @@
 #include "common/scene.hpp"
 #include "tests/loop/experiments/columns.hpp"
 #include "tests/loop/experiments/experiment.hpp"
-#include "tests/loop/experiments/our_loop.hpp"
+#include "tests/loop/experiments/full_scene.hpp"
 #include "tests/loop/loopback.hpp"
 
 namespace farhand {

@@ -52,11 +52,11 @@ ArmAxis arm_axis(const SimArmConfig& config, const SlaveConfig& slave, const Vec
 // The gains are diagonal along the handle's axes, which at the start are nearly those of M.
 std::optional<AxisForceLoop> force_loop(const ForceControllerConfig& config, const Vec3& axis_M) {
   if (!config.closed_loop) return {};
-  AxisForceLoop out{.cutoff_hz = config.closed_loop->cutoff_hz,
-                    .filter_error = config.closed_loop->filter_error};
+  AxisForceLoop out{.filter_error = config.closed_loop->filter_error};
   for (std::size_t i = 0; i < 3; ++i) {
     const double share = axis_M[static_cast<int>(i)] * axis_M[static_cast<int>(i)];
-    const PidConfig& g = config.closed_loop->axes[i];
+    const PidConfig& g = config.closed_loop->axes[i].gains;
+    out.cutoff_hz += share * config.closed_loop->axes[i].cutoff_hz;
     out.gains.kp += share * g.kp;
     out.gains.ki += share * g.ki;
     out.gains.kd += share * g.kd;
