@@ -13,13 +13,13 @@ constexpr double kFound = 0.005;  // of the boundary
 constexpr double kChatterFound = 0.05;
 constexpr double kFarthest = 10;  // from the guess
 
-double hand_speed(const AnyDevice& device) {
+Vec3 hand_velocity(const AnyDevice& device) {
   return std::visit(
-      [](const auto& d) {
+      [](const auto& d) -> Vec3 {
         if constexpr (requires { d.truth(); })
-          return d.truth().state.v_MH.norm();
+          return d.truth().state.v_MH;
         else
-          return 0.0;
+          return Vec3::Zero();
       },
       device);
 }
@@ -97,13 +97,15 @@ double turn(const std::function<bool(double)>& grows, double guess, double first
 double growth_rate(const Scene& linear, double longest_s) {
   const proto::Push& nudge = linear.proto.master().sim_hand().push(0);
   const double begin = nudge.at_s() + nudge.lasting_s();
+  const AxisModel axis = axis_model(linear, 0);
   Loopback loop(linear, {.duration_s = begin + longest_s});
   Envelope envelope(begin);
   loop.on_master = [&](const MasterTick& t) {
-    envelope.add(seconds(t.now - loop.start()), hand_speed(loop.device()));
+    envelope.add(seconds(t.now - loop.start()),
+                 std::abs(axis.axis_M.dot(hand_velocity(loop.device()))));
   };
   loop.on_slave = [&](const SlaveTick& t) {
-    envelope.add(seconds(t.now - loop.start()), t.out.V_SE.linear.norm());
+    envelope.add(seconds(t.now - loop.start()), std::abs(axis.axis_S.dot(t.out.V_SE.linear)));
   };
   for (double t = begin + kLook; t <= begin + longest_s; t += kLook) {
     loop.run_until(loop.start() + from_seconds(t));

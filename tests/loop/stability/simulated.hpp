@@ -5,12 +5,13 @@
 
 namespace farhand {
 
-// The scene without what is not linear: no friction or weight of the handle, no friction of the arm
-// (nor its compensation), ideal encoders and sensors, a network of constant delay, the handle's
-// limits open. The wall becomes two, of half its stiffness each, that face each other and overlap
-// by 0.2 m with the tool in their middle: a wall that pulls as it pushes, force-free where the
-// robot starts. The hand presses the dead-man, rests, and is nudged with a thousandth of a newton
-// along the axis.
+// The scene without what is not linear: no friction or weight of the handle, in it or in the
+// controller's model, no friction of the arm (nor its compensation), ideal encoders and sensors, a
+// network of constant delay, the handle's limits open, contact damping always there (a constant
+// force of 2 mN along the wall keeps the handle in touch). The wall becomes two, of half its
+// stiffness each, that face each other and overlap by 0.2 m with the tool in their middle: a wall
+// that pulls as it pushes, force-free where the robot starts. The hand presses the dead-man, rests,
+// and is nudged with a thousandth of a newton along the axis.
 Scene linear_scene(const Scene& scene, int surface);
 
 // Rate [1/s] at which the speeds of handle and tool along the axis grow after the nudge (negative:

@@ -82,7 +82,7 @@ std::vector<std::string> stability_warnings(const Scene& scene) {
     return out;
   for (int i = 0; i < surfaces(scene); ++i) {
     const AxisModel m = axis_model(scene, i);
-    if (!m.knows_device && radius(m) >= 1) out.push_back(warning(scene, i, m));
+    if (radius(m) >= 1) out.push_back(warning(scene, i, m));
   }
   return out;
 }

@@ -40,7 +40,7 @@ void simulate(const Scene& scene, AxisStudy& study);
 
 // One sentence for each surface that the scene cannot press on without oscillating: which, how far
 // beyond, and what to change. Empty without a surface, a simulated hand or force feedback, and
-// where what is not analysed acts: stages that know the device, another bilateral architecture.
+// with another bilateral architecture, which is not analysed.
 std::vector<std::string> stability_warnings(const Scene& scene);
 
 std::string to_text(const Scene& scene, const AxisStudy& study);

@@ -122,10 +122,6 @@ std::string to_text(const Scene& scene, const AxisStudy& s) {
                                 scene.path, s.surface, a.x(), a.y(), a.z());
   out +=
       fmt::format("  {}, spectral radius {:.6f}\n", s.stable() ? "stable" : "UNSTABLE", s.radius);
-  if (s.model.knows_device)
-    out +=
-        "  without device_model, device_feedforward, contact_damping and disturbance_observer, "
-        "which are not analysed\n";
   out += pole_rows(s);
   if (s.model.reflects) out += margin_rows(s);
   out += "  boundaries of the linear loop\n" + limit_rows(s);
