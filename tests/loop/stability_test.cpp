@@ -26,6 +26,10 @@ Scene closed() {
   return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/twin_delta_closed.textproto");
 }
 
+Scene falcon() {
+  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/falcon_closed.textproto");
+}
+
 proto::ForceFeedback& feedback(Scene& scene) {
   return *scene.proto.mutable_master()->mutable_force_feedback();
 }
@@ -63,13 +67,15 @@ TEST(Stability, TheAnswerIsAsOldAsTheNetworkAndTheCutOffMakeIt) {
 }
 
 TEST(Stability, TheGainMarginIsWhereTheWholeCommandBecomesUnstable) {
-  for (const double kp : {0.0, 1.2, 8.0}) {
-    const AxisModel m = axis_model(with(contact(), 0, Parameter::loop_gain, kp), 0);
+  std::vector<AxisModel> models{axis_model(closed(), 0)};
+  for (const double kp : {0.0, 1.2, 8.0})
+    models.push_back(axis_model(with(contact(), 0, Parameter::loop_gain, kp), 0));
+  for (const AxisModel& m : models) {
     const LoopMatrices loop = loop_matrices(AxisPeriod(m));
     const double margin = margins(loop, m.Ts).gain;
-    ASSERT_TRUE(std::isfinite(margin)) << kp;
-    EXPECT_LT(spectral_radius(loop.A + 0.99 * margin * loop.b * loop.c), 1) << kp;
-    EXPECT_GT(spectral_radius(loop.A + 1.01 * margin * loop.b * loop.c), 1) << kp;
+    ASSERT_TRUE(std::isfinite(margin));
+    EXPECT_LT(spectral_radius(loop.A + 0.99 * margin * loop.b * loop.c), 1) << margin;
+    EXPECT_GT(spectral_radius(loop.A + 1.01 * margin * loop.b * loop.c), 1) << margin;
   }
 }
 
@@ -94,13 +100,16 @@ TEST(Stability, TheDelayMarginIsHowMuchLongerARoundTripIsStable) {
 }
 
 TEST(Stability, BeyondItsBoundaryTheProductsLoopGrowsAsFastAsItsLargestPole) {
-  const StabilityLimit limit = predicted_limit(contact(), 0, Parameter::wall_stiffness);
-  // Slow growth, so that the envelope is long against the oscillation.
-  for (const double beyond : {1.1, 1.3}) {
-    const Scene scene = wall_of(beyond * limit.value);
-    const AxisModel m = axis_model(scene, 0);
-    const double predicted = std::log(radius(m)) / m.Ts;
-    EXPECT_NEAR(growth_rate(linear_scene(scene, 0)), predicted, 0.05 * predicted) << beyond;
+  for (const Scene& scene : {contact(), closed(), falcon()}) {
+    const StabilityLimit limit = predicted_limit(scene, 0, Parameter::wall_stiffness);
+    // Slow growth, so that the envelope is long against the oscillation.
+    for (const double beyond : {1.05, 1.1}) {
+      const Scene stiff = with(scene, 0, Parameter::wall_stiffness, beyond * limit.value);
+      const AxisModel m = axis_model(stiff, 0);
+      const double predicted = std::log(radius(m)) / m.Ts;
+      EXPECT_NEAR(growth_rate(linear_scene(stiff, 0)), predicted, 0.05 * predicted)
+          << scene.path << ' ' << beyond;
+    }
   }
 }
 
@@ -123,7 +132,7 @@ std::vector<Scene> hiding_scenes() {
   feedback(out[2]).mutable_device_model()->set_motor_delay_ms(2);
   feedback(out[2]).mutable_device_model()->set_mass_kg(0.8);
   feedback(out[2]).mutable_device_model()->set_damping_newton_s_per_m(5);
-  out[3] = load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/falcon_closed.textproto");
+  out[3] = falcon();
   return out;
 }
 
@@ -157,6 +166,19 @@ TEST(Stability, EachStageThatKnowsTheDeviceMovesTheBoundary) {
   without = closed();
   feedback(without).clear_device_feedforward();
   EXPECT_GT(limit(without), 1.1 * all);
+}
+
+TEST(Stability, WithFrictionAndOnesidedWallOnlyWhatLiesBeyondTheBoundaryChatters) {
+  EXPECT_FALSE(chatters(pressing_scene(closed(), 0)));
+  EXPECT_TRUE(chatters(pressing_scene(with(closed(), 0, Parameter::wall_stiffness, 4000), 0)));
+}
+
+TEST(Stability, AKnockDiesAwayWhereTheForceMayChangeFastEnough) {
+  Scene scene = closed();
+  feedback(scene).set_max_force_rate_newton_per_s(2000);
+  EXPECT_FALSE(chatters(pressing_scene(scene, 0, kKnock)));
+  feedback(scene).set_max_force_rate_newton_per_s(200);
+  EXPECT_TRUE(chatters(pressing_scene(scene, 0, kKnock)));
 }
 
 TEST(Stability, AWallIsFeltInSeriesWithTheServo) {

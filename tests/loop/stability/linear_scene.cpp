@@ -100,6 +100,13 @@ void set_network(proto::Link& link, const AxisModel& m) {
   link.mutable_to_master()->set_delay_ms(to_master);
 }
 
+void push(proto::SimHand& hand, double at, double lasting, const Vec3& force) {
+  proto::Push& push = *hand.add_push();
+  push.set_at_s(at);
+  push.set_lasting_s(lasting);
+  set(push.mutable_force_newton(), force);
+}
+
 // The dead-man once both sides know each other, then the nudge, once contact damping is all there.
 void script(proto::Master& master, const AxisModel& m) {
   proto::SimHand& hand = *master.mutable_sim_hand();
@@ -112,10 +119,7 @@ void script(proto::Master& master, const AxisModel& m) {
   proto::Press& press = *user.add_press();
   press.set_button(proto::Press::DEAD_MAN);
   press.set_at_s(engage);
-  proto::Push& nudge = *hand.add_push();
-  nudge.set_at_s(engage + 0.3 + fade + 2 * seconds(m.to_slave + m.to_master));
-  nudge.set_lasting_s(0.004);
-  set(nudge.mutable_force_newton(), kNudge * m.axis_M);
+  push(hand, engage + 0.3 + fade + 2 * seconds(m.to_slave + m.to_master), 0.004, kNudge * m.axis_M);
 }
 
 Pose tool_at_start(const proto::Scene& scene) {
@@ -139,8 +143,9 @@ Scene linear_scene(const Scene& scene, int surface) {
   return out;
 }
 
-Scene pressing_scene(const Scene& scene, int surface, double press_newton) {
+Scene pressing_scene(const Scene& scene, int surface, double knock) {
   constexpr double kFree = 0.002, kFarthest = 0.05;  // [m]
+  constexpr double kKnockTime = 0.05;                // [s]
   const AxisModel m = axis_model(scene, surface);
   Scene out = scene;
   proto::SimArm& arm = *out.proto.mutable_slave()->mutable_sim_arm();
@@ -150,12 +155,14 @@ Scene pressing_scene(const Scene& scene, int surface, double press_newton) {
   set(wall.mutable_plane()->mutable_normal(), -m.axis_S);
   arm.clear_surface();
   *arm.add_surface() = wall;
-  out.proto.mutable_master()->mutable_sim_hand()->clear_push();
-  proto::Operator& user = *out.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
+  proto::SimHand& hand = *out.proto.mutable_master()->mutable_sim_hand();
+  hand.clear_push();
+  if (knock > 0) push(hand, kPressed + 1, kKnockTime, knock * m.axis_M);
+  proto::Operator& user = *hand.mutable_operator_();
   user.clear_press();
   user.clear_motion();
-  const double wall_gives = (kFree + press_newton / m.wall.stiffness) / m.scale;
-  const double hand_gives = m.force_scale * press_newton / std::max(m.hand.hand.stiffness, 1.0);
+  const double wall_gives = (kFree + kPress / m.wall.stiffness) / m.scale;
+  const double hand_gives = m.force_scale * kPress / std::max(m.hand.hand.stiffness, 1.0);
   proto::Reach& reach = *user.mutable_motion()->add_reach();
   reach.set_at_s(kPressed - 1);
   reach.set_lasting_s(1);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/loop/loopback.hpp"
 
@@ -72,17 +73,17 @@ class Envelope {
   std::vector<double> peaks_;
 };
 
-// Where `grows` turns from false to true, walking outwards from the guess; 0: not within kFarthest.
+// Where `grows` turns from false to true, walking outwards from the guess. 0 and infinity: it does,
+// or does not, all the way to kFarthest.
 double turn(const std::function<bool(double)>& grows, double guess, double first_step,
             double found) {
-  if (!(guess > 0)) return 0;
   double calm = guess / first_step, wild = guess * first_step;
   for (double stride = 1.1; grows(calm); stride *= 1.3) {
     if (guess > kFarthest * calm) return 0;
     wild = calm, calm /= stride;
   }
   for (double stride = 1.1; !grows(wild); stride *= 1.3) {
-    if (wild > kFarthest * guess) return 0;
+    if (wild > kFarthest * guess) return std::numeric_limits<double>::infinity();
     calm = wild, wild *= stride;
   }
   while (wild > (1 + found) * calm) {
@@ -118,26 +119,27 @@ double simulated_limit(const Scene& scene, int surface, Parameter p, double gues
   const auto grows = [&](double value) {
     return growth_rate(linear_scene(with(scene, surface, p, value), surface)) > 0;
   };
-  return turn(grows, guess, 1.04, kFound);
+  const double limit = turn(grows, guess, 1.04, kFound);
+  return std::isfinite(limit) ? limit : 0;
 }
 
 bool chatters(const Scene& pressing) {
   constexpr double kChatter = 0.005;  // [m/s] rms
-  Loopback loop(pressing, {.duration_s = kPressed + kHeld + 1});
+  Loopback loop(pressing, {.duration_s = kJudged + 1});
   double sum = 0;
   int ticks = 0;
-  loop.on_slave = [&](const SlaveTick& t) {
-    if (seconds(t.now - loop.start()) < kPressed + kHeld) return;
-    sum += t.out.V_SE.linear.squaredNorm();
+  loop.on_master = [&](const MasterTick& t) {
+    if (seconds(t.now - loop.start()) < kJudged) return;
+    sum += hand_velocity(loop.device()).squaredNorm();
     ++ticks;
   };
   loop.run();
   return sum > kChatter * kChatter * ticks;
 }
 
-double chatter_limit(const Scene& scene, int surface, Parameter p, double guess) {
+double chatter_limit(const Scene& scene, int surface, Parameter p, double guess, double knock) {
   const auto grows = [&](double value) {
-    return chatters(pressing_scene(with(scene, surface, p, value), surface));
+    return chatters(pressing_scene(with(scene, surface, p, value), surface, knock));
   };
   return turn(grows, guess, 1.5, kChatterFound);
 }

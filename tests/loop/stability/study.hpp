@@ -23,12 +23,13 @@ struct AxisStudy {
   AxisModel model;
   double radius = 0;
   std::vector<Pole> poles;
-  Margins margins;
+  Margins margins;  // of a stable one
   double small_gain = 0;
   FeltStiffness felt;
   std::optional<double> felt_measured;  // [N/m]
   std::vector<ParameterLimit> limits;
-  std::optional<double> chatter_stiffness;  // [N/m] with friction and a one-sided wall
+  // [N/m] from where on it chatters, with friction and a one-sided wall: left alone, and knocked.
+  std::optional<double> chatter_stiffness, knocked_stiffness;
 
   bool stable() const noexcept { return radius < 1; }
 };
