@@ -4,7 +4,7 @@
 
 namespace farhand {
 
-DeviceObserver::Gains DeviceObserver::gains(double hz, double Ts) noexcept {
+ObserverGains observer_gains(double hz, double Ts) noexcept {
   const double p = std::exp(-2 * std::numbers::pi * hz * Ts), q = 1 - p;
   return {.x = 1 - p * p * p, .v = 1.5 * q * q * (1 + p) / Ts, .a = q * q * q / (Ts * Ts)};
 }
@@ -14,8 +14,8 @@ DeviceObserver::DeviceObserver(const DeviceModel& model, const DeviceObserverCon
     : model_(model),
       inertia_(per_axis(model.translation.inertia, model.tilt.inertia, model.twist.inertia)),
       Ts_(Ts),
-      on_model_(gains(config.velocity_hz, Ts)),
-      on_pose_(gains(config.acceleration_hz, Ts)) {}
+      on_model_(observer_gains(config.velocity_hz, Ts)),
+      on_pose_(observer_gains(config.acceleration_hz, Ts)) {}
 
 // Since the last sample. The turn of the axis is small, so that the cross product is its angle.
 DeviceAxes DeviceObserver::moved(const HandlePose& pose) noexcept {

@@ -19,6 +19,13 @@ struct DeviceObserverConfig {
   double acceleration_hz = 20;  // > 0
 };
 
+// Of one third-order observer with a triple pole at hz: of the place, and per second, and per
+// second squared.
+struct ObserverGains {
+  double x, v, a;
+};
+ObserverGains observer_gains(double hz, double Ts) noexcept;
+
 struct DeviceMotion {
   DeviceAxes v = DeviceAxes::Zero();
   DeviceAxes a = DeviceAxes::Zero();
@@ -37,16 +44,12 @@ class DeviceObserver {
   const DeviceMotion& motion() const noexcept { return motion_; }
 
  private:
-  struct Gains {
-    double x, v, a;
-  };
-  static Gains gains(double hz, double Ts) noexcept;
   DeviceAxes moved(const HandlePose& pose) noexcept;
 
   DeviceModel model_;
   DeviceAxes inertia_;
   double Ts_;
-  Gains on_model_, on_pose_;
+  ObserverGains on_model_, on_pose_;
   bool primed_ = false;
   HandlePose last_;
   DeviceAxes off_model_;          // measured place less the model's

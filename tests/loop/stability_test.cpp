@@ -22,6 +22,18 @@ Scene contact() {
   return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/twin_delta_contact.textproto");
 }
 
+Scene closed() {
+  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/twin_delta_closed.textproto");
+}
+
+Scene falcon() {
+  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/falcon_closed.textproto");
+}
+
+proto::ForceFeedback& feedback(Scene& scene) {
+  return *scene.proto.mutable_master()->mutable_force_feedback();
+}
+
 Scene wall_of(double stiffness) {
   return with(contact(), 0, Parameter::wall_stiffness, stiffness);
 }
@@ -55,13 +67,15 @@ TEST(Stability, TheAnswerIsAsOldAsTheNetworkAndTheCutOffMakeIt) {
 }
 
 TEST(Stability, TheGainMarginIsWhereTheWholeCommandBecomesUnstable) {
-  for (const double kp : {0.0, 1.2, 8.0}) {
-    const AxisModel m = axis_model(with(contact(), 0, Parameter::loop_gain, kp), 0);
+  std::vector<AxisModel> models{axis_model(closed(), 0)};
+  for (const double kp : {0.0, 1.2, 8.0})
+    models.push_back(axis_model(with(contact(), 0, Parameter::loop_gain, kp), 0));
+  for (const AxisModel& m : models) {
     const LoopMatrices loop = loop_matrices(AxisPeriod(m));
     const double margin = margins(loop, m.Ts).gain;
-    ASSERT_TRUE(std::isfinite(margin)) << kp;
-    EXPECT_LT(spectral_radius(loop.A + 0.99 * margin * loop.b * loop.c), 1) << kp;
-    EXPECT_GT(spectral_radius(loop.A + 1.01 * margin * loop.b * loop.c), 1) << kp;
+    ASSERT_TRUE(std::isfinite(margin));
+    EXPECT_LT(spectral_radius(loop.A + 0.99 * margin * loop.b * loop.c), 1) << margin;
+    EXPECT_GT(spectral_radius(loop.A + 1.01 * margin * loop.b * loop.c), 1) << margin;
   }
 }
 
@@ -86,13 +100,16 @@ TEST(Stability, TheDelayMarginIsHowMuchLongerARoundTripIsStable) {
 }
 
 TEST(Stability, BeyondItsBoundaryTheProductsLoopGrowsAsFastAsItsLargestPole) {
-  const StabilityLimit limit = predicted_limit(contact(), 0, Parameter::wall_stiffness);
-  // Slow growth, so that the envelope is long against the oscillation.
-  for (const double beyond : {1.1, 1.3}) {
-    const Scene scene = wall_of(beyond * limit.value);
-    const AxisModel m = axis_model(scene, 0);
-    const double predicted = std::log(radius(m)) / m.Ts;
-    EXPECT_NEAR(growth_rate(linear_scene(scene, 0)), predicted, 0.05 * predicted) << beyond;
+  for (const Scene& scene : {contact(), closed(), falcon()}) {
+    const StabilityLimit limit = predicted_limit(scene, 0, Parameter::wall_stiffness);
+    // Slow growth, so that the envelope is long against the oscillation.
+    for (const double beyond : {1.05, 1.1}) {
+      const Scene stiff = with(scene, 0, Parameter::wall_stiffness, beyond * limit.value);
+      const AxisModel m = axis_model(stiff, 0);
+      const double predicted = std::log(radius(m)) / m.Ts;
+      EXPECT_NEAR(growth_rate(linear_scene(stiff, 0)), predicted, 0.05 * predicted)
+          << scene.path << ' ' << beyond;
+    }
   }
 }
 
@@ -108,6 +125,62 @@ TEST(Stability, PredictedAndSimulatedBoundariesAgreeWithinATenth) {
   EXPECT_GE(compared * kEach, points.size() / 2);
 }
 
+// The shipped scene's stages, one more of them, and a model that is wrong.
+std::vector<Scene> hiding_scenes() {
+  std::vector<Scene> out(4, closed());
+  feedback(out[1]).mutable_disturbance_observer();
+  feedback(out[2]).mutable_device_model()->set_motor_delay_ms(2);
+  feedback(out[2]).mutable_device_model()->set_mass_kg(0.8);
+  feedback(out[2]).mutable_device_model()->set_damping_newton_s_per_m(5);
+  out[3] = falcon();
+  return out;
+}
+
+TEST(Stability, BoundariesWithTheStagesThatHideTheDeviceAgreeToo) {
+  const std::vector<Scene> scenes = hiding_scenes();
+  const auto expect_agreement = [](const Scene& scene, Parameter p) {
+    const StabilityLimit limit = predicted_limit(scene, 0, p);
+    ASSERT_TRUE(limit.value > 0 && std::isfinite(limit.value)) << text(p).name;
+    EXPECT_NEAR(simulated_limit(scene, 0, p, limit.value) / limit.value, 1, 0.01) << text(p).name;
+  };
+  for (std::size_t i = 0; i < scenes.size(); i += kEach) {
+    SCOPED_TRACE(i);
+    const double wall = predicted_limit(scenes[i], 0, Parameter::wall_stiffness).value;
+    const Scene near = with(scenes[i], 0, Parameter::wall_stiffness, 0.9 * wall);
+    for (const Parameter p :
+         {Parameter::wall_stiffness, Parameter::reflection_gain, Parameter::round_trip})
+      expect_agreement(near, p);
+    expect_agreement(with(near, 0, Parameter::round_trip, 8e-3), Parameter::wall_stiffness);
+  }
+  expect_agreement(scenes.back(), Parameter::loop_gain);
+}
+
+TEST(Stability, EachStageThatKnowsTheDeviceMovesTheBoundary) {
+  const auto limit = [](const Scene& scene) {
+    return predicted_limit(scene, 0, Parameter::wall_stiffness).value;
+  };
+  const double all = limit(closed());
+  Scene without = closed();
+  feedback(without).clear_contact_damping();
+  EXPECT_LT(limit(without), 0.9 * all);
+  without = closed();
+  feedback(without).clear_device_feedforward();
+  EXPECT_GT(limit(without), 1.1 * all);
+}
+
+TEST(Stability, WithFrictionAndOnesidedWallOnlyWhatLiesBeyondTheBoundaryChatters) {
+  EXPECT_FALSE(chatters(pressing_scene(closed(), 0)));
+  EXPECT_TRUE(chatters(pressing_scene(with(closed(), 0, Parameter::wall_stiffness, 4000), 0)));
+}
+
+TEST(Stability, AKnockDiesAwayWhereTheForceMayChangeFastEnough) {
+  Scene scene = closed();
+  feedback(scene).set_max_force_rate_newton_per_s(2000);
+  EXPECT_FALSE(chatters(pressing_scene(scene, 0, kKnock)));
+  feedback(scene).set_max_force_rate_newton_per_s(200);
+  EXPECT_TRUE(chatters(pressing_scene(scene, 0, kKnock)));
+}
+
 TEST(Stability, AWallIsFeltInSeriesWithTheServo) {
   for (const double wall : {200.0, 500.0, 1000.0}) {
     const Scene scene = with(wall_of(wall), 0, Parameter::round_trip, 0);
@@ -119,6 +192,8 @@ TEST(Stability, AWallIsFeltInSeriesWithTheServo) {
 
 TEST(Stability, OnlyASceneBeyondItsBoundaryIsWarnedOf) {
   EXPECT_TRUE(stability_warnings(contact()).empty());
+  EXPECT_TRUE(stability_warnings(closed()).empty());
+  EXPECT_EQ(stability_warnings(with(closed(), 0, Parameter::wall_stiffness, 3000)).size(), 1u);
   const auto warnings = stability_warnings(wall_of(20000));
   ASSERT_EQ(warnings.size(), 1u);
   for (const char* words : {"slave.sim_arm.surface[0]", "20000 N/m", "slave.workspace.force_scale"})

@@ -108,8 +108,8 @@ AxisModel axis_model(const Scene& scene, int surface) {
                 .axis_M = axis_M};
   if (!out.reflects) return out;
   const ForceControllerConfig& controller = master.force_feedback->controller;
-  out.knows_device = controller.device.has_value();
-  if (master.force_sensing) out.force = force_loop(controller, axis_M);
+  out.force = force_loop(controller, axis_M);
+  out.device = axis_device(controller, master.force_sensing.has_value());
   return out;
 }
 

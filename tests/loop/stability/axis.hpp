@@ -15,6 +15,7 @@
 #include "common/time.hpp"
 #include "master/hand_plant.hpp"
 #include "slave/joint_servo.hpp"
+#include "tests/loop/stability/axis_device.hpp"
 
 namespace farhand {
 
@@ -54,14 +55,13 @@ struct AxisModel {
   WallAxis wall;
   bool reflects = false;               // the scene has force feedback
   std::optional<AxisForceLoop> force;  // without: open-loop reflection
-  // The controller has stages that know the device's model; they are not part of the analysis.
-  bool knows_device = false;
-  double scale = 1;                  // handle to tool
-  double force_scale = 1;            // tool to handle
-  double sensing_cutoff_hz = 0;      // of the robot's force sensor; 0: no filter
-  Duration to_slave{}, to_master{};  // the network's mean delays
-  Duration cut_off{};                // of the master's wait
-  Vec3 axis_S = Vec3::UnitY();       // into the wall
+  std::optional<AxisDevice> device;    // stages that know its model
+  double scale = 1;                    // handle to tool
+  double force_scale = 1;              // tool to handle
+  double sensing_cutoff_hz = 0;        // of the robot's force sensor; 0: no filter
+  Duration to_slave{}, to_master{};    // the network's mean delays
+  Duration cut_off{};                  // of the master's wait
+  Vec3 axis_S = Vec3::UnitY();         // into the wall
   Vec3 axis_M = Vec3::UnitX();
 };
 

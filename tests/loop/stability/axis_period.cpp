@@ -39,6 +39,7 @@ AxisPeriod::AxisPeriod(const AxisModel& m) : model_(m) {
   servo_derivative_gain_ = low_pass_gain(m.arm.servo.derivative_cutoff_hz, m.Ts);
   command_gain_ = low_pass_gain(m.arm.servo.command_cutoff_hz, m.Ts);
   sensing_gain_ = low_pass_gain(m.sensing_cutoff_hz, m.Ts);
+  if (m.device) device_.emplace(*m.device, m.Ts);
   if (m.force) {
     force_gain_ = low_pass_gain(m.force->cutoff_hz, m.Ts);
     force_derivative_gain_ = low_pass_gain(m.force->gains.derivative_cutoff_hz, m.Ts);
@@ -69,6 +70,7 @@ AxisPeriod::AxisPeriod(const AxisModel& m) : model_(m) {
 AxisState AxisPeriod::rest() const {
   AxisState state;
   state.answers = Eigen::VectorXd::Zero(lag_);
+  if (device_) state.device = device_->rest();
   return state;
 }
 
@@ -84,7 +86,7 @@ std::vector<AxisPeriod::Steps> AxisPeriod::steps(Duration span) const {
 }
 
 double AxisPeriod::run(AxisState& s, std::optional<double> instead) const {
-  const double F_u = s.F_u, answer = slave_tick(s);
+  const double x = s.x, F_u = s.F_u, answer = slave_tick(s);
   double F_e = answer;
   if (lag_ > 0) {
     F_e = s.answers[lag_ - 1];
@@ -92,7 +94,7 @@ double AxisPeriod::run(AxisState& s, std::optional<double> instead) const {
     s.answers[0] = answer;
   }
   hand(s, before_);
-  const double asked = command(s, F_e, F_u);
+  const double asked = command(s, F_e, F_u, x);
   s.motor = instead.value_or(asked);
   hand(s, after_);
   return asked;
@@ -131,19 +133,28 @@ double AxisPeriod::slave_tick(AxisState& s) const {
   return model_.force_scale * s.sensed;
 }
 
-// tau_m = K_h (F_u - F_e) - F_e along the axis.
-double AxisPeriod::command(AxisState& s, double F_e, double F_u) const {
+double AxisPeriod::command(AxisState& s, double F_e, double F_u, double x) const {
+  if (!device_) return force_loop(s, F_e, F_u);
+  const double felt = device_->observe(*s.device, x, F_u);
+  const double F_d = F_e + device_->damping(*s.device);
+  const double asked = force_loop(s, F_d, felt) + device_->load(*s.device);
+  device_->remember(*s.device, asked);
+  return asked;
+}
+
+// K_h (F_u - F_d) - F_d along the axis.
+double AxisPeriod::force_loop(AxisState& s, double F_d, double F_u) const {
   if (!model_.force) {
     s.filtered = s.I = s.e = s.D = 0;
-    return model_.reflects ? -F_e : 0;
+    return model_.reflects ? -F_d : 0;
   }
   const AxisForceLoop& f = *model_.force;
-  s.filtered += force_gain_ * ((f.filter_error ? F_u - F_e : F_u) - s.filtered);
-  const double e = f.filter_error ? s.filtered : s.filtered - F_e;
+  s.filtered += force_gain_ * ((f.filter_error ? F_u - F_d : F_u) - s.filtered);
+  const double e = f.filter_error ? s.filtered : s.filtered - F_d;
   s.I = f.gains.ki > 0 ? s.I + f.gains.ki * model_.Ts / 2 * (e + s.e) : 0;
   s.D += force_derivative_gain_ * (f.gains.kd / model_.Ts * (e - s.e) - s.D);
   s.e = e;
-  return f.gains.kp * e + s.I + s.D - F_e;
+  return f.gains.kp * e + s.I + s.D - F_d;
 }
 
 void AxisPeriod::hand(AxisState& s, const std::vector<Steps>& span) const {

@@ -11,6 +11,9 @@
 // does. The hand's and the arm's integration steps are the simulation's own (semi-implicit Euler in
 // equal steps within a span; fourth-order Runge-Kutta), so that the two differ by nothing but what
 // is not linear.
+//
+// The device's observers are told the command, whatever the motors then do: opening the loop at the
+// motors leaves that inner path closed.
 #pragma once
 
 #include <vector>
@@ -26,6 +29,7 @@ struct AxisState {
   double x = 0, v = 0, F_u = 0, motor = 0;
   // Force controller: filtered force, and its PID.
   double filtered = 0, I = 0, e = 0, D = 0;
+  std::optional<AxisDeviceState> device;
   // Arm and servo.
   Vec6 q = Vec6::Zero(), dq = Vec6::Zero();
   Vec6 servo_I = Vec6::Zero(), servo_D = Vec6::Zero(), last_q = Vec6::Zero();
@@ -55,11 +59,13 @@ class AxisPeriod {
   };
 
   double slave_tick(AxisState& state) const;
-  double command(AxisState& state, double F_e, double F_u) const;
+  double command(AxisState& state, double F_e, double F_u, double x) const;
+  double force_loop(AxisState& state, double F_d, double F_u) const;
   void hand(AxisState& state, const std::vector<Steps>& span) const;
   std::vector<Steps> steps(Duration span) const;
 
   AxisModel model_;
+  std::optional<AxisDeviceStages> device_;
   int lag_ = 0;
   std::vector<Steps> before_, after_;      // the master acts
   Mat12 arm_;                              // (q, dq) over a period

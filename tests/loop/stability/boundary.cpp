@@ -33,11 +33,20 @@ void scale(proto::ForceGains& g, double factor) {
 void set_loop_gain(proto::Master& master, double kp) {
   proto::ForceFeedback& feedback = *master.mutable_force_feedback();
   if (kp == 0) return feedback.clear_closed_loop();
-  master.mutable_force_sensing();
+  if (master.has_twin_delta()) master.mutable_force_sensing();
   proto::ClosedLoop& loop = *feedback.mutable_closed_loop();
   const double factor = kp / loop.force().kp();
   scale(*loop.mutable_force(), factor);
   for (proto::AxisGains& axis : *loop.mutable_axis()) scale(*axis.mutable_gains(), factor);
+}
+
+// The model stays as right or wrong as it was.
+void set_device_mass(proto::Master& master, double mass) {
+  const double factor = mass / master.sim_hand().device_mass_kg();
+  master.mutable_sim_hand()->set_device_mass_kg(mass);
+  if (!master.force_feedback().has_device_model()) return;
+  proto::DeviceModel& model = *master.mutable_force_feedback()->mutable_device_model();
+  model.set_mass_kg(factor * model.mass_kg());
 }
 
 }  // namespace
@@ -99,7 +108,7 @@ Scene with(Scene scene, int surface, Parameter p, double value) {
         way->set_delay_ms(value * 1e3 / 2), way->set_jitter_ms(0);
       break;
     case Parameter::device_mass:
-      s.mutable_master()->mutable_sim_hand()->set_device_mass_kg(value);
+      set_device_mass(*s.mutable_master(), value);
       break;
     case Parameter::hand_mass:
       s.mutable_master()->mutable_sim_hand()->mutable_operator_()->set_hand_mass_kg(value);

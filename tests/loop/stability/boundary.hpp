@@ -14,7 +14,7 @@ enum class Parameter : std::uint8_t {
   reflection_gain,  // slave.workspace.force_scale
   loop_gain,        // kp of the closed force loop, with ki and kd in proportion
   round_trip,       // [s], half each way
-  device_mass,      // [kg]
+  device_mass,      // [kg], the controller's model in proportion
   hand_mass,        // [kg]
 };
 constexpr int kParameters = 6;

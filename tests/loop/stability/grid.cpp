@@ -1,11 +1,13 @@
 #include "tests/loop/stability/grid.hpp"
 
+#include <google/protobuf/text_format.h>
 #include <spdlog/fmt/fmt.h>
 
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tests/loop/experiments/our_loop.hpp"
 #include "tests/loop/stability/simulated.hpp"
 
 namespace farhand {
@@ -21,10 +23,36 @@ struct Gains {
 };
 constexpr Gains kGains[] = {{0.5, 0}, {1, 0}, {2, 0}, {1, 0.6}, {1, 1.2}, {1, 2.4}};
 constexpr double kWalls[] = {600, 1500, 4000};  // [N/m]
+constexpr double kOurGain = 8.8;                // kp
+
+Scene hidden(Scene scene, bool observes_disturbance) {
+  proto::Master& master = *scene.proto.mutable_master();
+  master.mutable_force_sensing();
+  proto::ForceFeedback& feedback = *master.mutable_force_feedback();
+  feedback.clear_closed_loop();
+  google::protobuf::TextFormat::MergeFromString(kOurLoop, &feedback);
+  if (observes_disturbance) feedback.mutable_disturbance_observer();
+  return scene;
+}
+
+void add_hidden(GridPoint p, std::vector<GridPoint>& all) {
+  p.hides_device = true, p.loop_gain = kOurGain;
+  p.parameter = Parameter::wall_stiffness, all.push_back(p);
+  p.observes_disturbance = true, all.push_back(p);
+  p.wall_stiffness = kWalls[0], p.parameter = Parameter::reflection_gain, all.push_back(p);
+}
+
+// Stages that know the device, and the disturbance's.
+const char* stages(const GridPoint& p) {
+  return !p.hides_device ? "" : p.observes_disturbance ? "dev+d" : "dev";
+}
 
 }  // namespace
 
 std::string GridPoint::variant() const {
+  if (hides_device)
+    return fmt::format("device hidden, kp {:g}{}", loop_gain,
+                       observes_disturbance ? ", disturbance" : "");
   return loop_gain > 0 ? fmt::format("closed loop, kp {:g}", loop_gain)
                        : fmt::format("open loop, reflection {:g}", reflection_gain);
 }
@@ -42,6 +70,7 @@ std::vector<GridPoint> grid_points(bool small) {
         all.push_back(p);
       }
       p.reflection_gain = 1;
+      add_hidden(p, all);
       for (const double wall : kWalls) {
         p.wall_stiffness = wall;
         p.loop_gain = 0, p.parameter = Parameter::reflection_gain, all.push_back(p);
@@ -61,7 +90,8 @@ std::vector<GridPoint> grid_points(bool small) {
 }
 
 GridPoint compare(const Scene& scene, int surface, GridPoint p) {
-  Scene varied = with(scene, surface, Parameter::device_mass, p.device_mass);
+  const Scene base = p.hides_device ? hidden(scene, p.observes_disturbance) : scene;
+  Scene varied = with(base, surface, Parameter::device_mass, p.device_mass);
   varied = with(varied, surface, Parameter::hand_mass, p.hand_mass);
   varied = with(varied, surface, Parameter::round_trip, p.round_trip);
   varied = with(varied, surface, Parameter::reflection_gain, p.reflection_gain);
@@ -85,13 +115,13 @@ Agreement agreement(const std::vector<GridPoint>& points) {
 
 std::string to_text(const std::vector<GridPoint>& points) {
   std::string out =
-      "  device    hand  round trip   gain   loop    wall   boundary of         predicted   "
-      "simulated\n      kg      kg          ms            kp     N/m\n";
+      "  device    hand  round trip   gain   loop          wall   boundary of         predicted   "
+      "simulated\n      kg      kg          ms            kp           N/m\n";
   for (const GridPoint& p : points) {
     const ParameterText words = text(p.parameter);
-    out += fmt::format("  {:6.2f}  {:6.2f}  {:10.1f}  {:5.2f}  {:5.2f}  {:6.0f}   {:<16}",
+    out += fmt::format("  {:6.2f}  {:6.2f}  {:10.1f}  {:5.2f}  {:5.2f} {:<5} {:6.0f}   {:<16}",
                        p.device_mass, p.hand_mass, p.round_trip * 1e3, p.reflection_gain,
-                       p.loop_gain, p.wall_stiffness, words.name);
+                       p.loop_gain, stages(p), p.wall_stiffness, words.name);
     out += p.compared()
                ? fmt::format("{:>11.4g} {:>11.4g} {:3} {:+7.2f} %\n", p.predicted * words.per_unit,
                              p.simulated * words.per_unit, words.unit, 100 * p.difference())
@@ -117,6 +147,8 @@ std::string to_json(const std::vector<GridPoint>& points) {
                              {"round_trip_s", p.round_trip},
                              {"reflection_gain", p.reflection_gain},
                              {"force_loop_kp", p.loop_gain},
+                             {"hides_device", p.hides_device},
+                             {"observes_disturbance", p.observes_disturbance},
                              {"wall_newton_per_m", p.wall_stiffness},
                              {"boundary_of", text(p.parameter).name},
                              {"predicted", p.predicted},

@@ -13,7 +13,10 @@ struct GridPoint {
   double device_mass = 1, hand_mass = 0.4;  // [kg]
   double round_trip = 1e-4;                 // [s]
   double reflection_gain = 1;
-  double loop_gain = 0;                 // kp; 0: open loop
+  double loop_gain = 0;  // kp; 0: open loop
+  // Instead of the published loop that of force_control.md, with its stages that know the device.
+  bool hides_device = false;
+  bool observes_disturbance = false;    // and with this one
   double wall_stiffness = 500;          // [N/m]
   Parameter parameter{};                // its own value above is not used
   double predicted = 0, simulated = 0;  // 0: none

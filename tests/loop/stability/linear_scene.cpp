@@ -6,6 +6,7 @@ namespace {
 
 constexpr double kOverlap = 0.1;  // [m] of each half of the wall beyond the tool
 constexpr double kNudge = 1e-3;   // [N]
+constexpr double kTouch = 1e-3;   // [N] that count as contact, the least there is
 
 void set(google::protobuf::RepeatedField<double>* field, const Vec3& v) {
   field->Assign(v.data(), v.data() + 3);
@@ -50,18 +51,29 @@ void open_limits(proto::Master& master) {
   master.mutable_force_feedback()->set_max_force_rate_newton_per_s(1e5);
 }
 
-// Stages that know the device's model are left out, since the analysis does not have them.
 void idealise(proto::Master& master) {
   idealise(*master.mutable_sim_hand());
   if (master.has_force_sensing()) master.mutable_force_sensing()->Clear();
   if (!master.has_force_feedback()) return;
   open_limits(master);
   proto::ForceFeedback& feedback = *master.mutable_force_feedback();
-  if (!master.has_force_sensing()) feedback.clear_closed_loop();
-  feedback.clear_device_model();
-  feedback.clear_device_feedforward();
-  feedback.clear_contact_damping();
-  feedback.clear_disturbance_observer();
+  if (!feedback.has_device_model()) return;
+  feedback.mutable_device_model()->set_friction_newton(0);
+  feedback.mutable_device_model()->set_rotation_friction_newton_m(0);
+  feedback.mutable_device_model()->set_weight_newton(0);
+}
+
+// A constant force along the wall, as by a sensor that was weighed wrongly, small but always more
+// than what counts as contact: so contact damping acts all the time, whatever the axis does.
+void keep_touching(proto::Scene& scene, const AxisModel& m, const Mat3& R_SE) {
+  if (!scene.master().force_feedback().has_contact_damping() || !m.reflects) return;
+  proto::ContactDamping& damping =
+      *scene.mutable_master()->mutable_force_feedback()->mutable_contact_damping();
+  damping.set_force_newton(kTouch);
+  const Vec3 along_S = m.axis_S.unitOrthogonal();
+  const double force = 2 * kTouch / std::max(m.force_scale, 0.01);
+  set(scene.mutable_slave()->mutable_force_sensing()->mutable_bias_newton(),
+      -force * (R_SE.transpose() * along_S));
 }
 
 void idealise(proto::Slave& slave) {
@@ -88,57 +100,69 @@ void set_network(proto::Link& link, const AxisModel& m) {
   link.mutable_to_master()->set_delay_ms(to_master);
 }
 
-// The dead-man once both sides know each other, then the nudge.
-void script(proto::SimHand& hand, const AxisModel& m) {
+void push(proto::SimHand& hand, double at, double lasting, const Vec3& force) {
+  proto::Push& push = *hand.add_push();
+  push.set_at_s(at);
+  push.set_lasting_s(lasting);
+  set(push.mutable_force_newton(), force);
+}
+
+// The dead-man once both sides know each other, then the nudge, once contact damping is all there.
+void script(proto::Master& master, const AxisModel& m) {
+  proto::SimHand& hand = *master.mutable_sim_hand();
+  const proto::ForceFeedback& feedback = master.force_feedback();
+  const double fade =
+      feedback.has_contact_damping() ? feedback.contact_damping().fade_ms() / 1e3 : 0;
   const double engage = 0.3 + 5 * seconds(m.to_slave + m.to_master);
   proto::Operator& user = *hand.mutable_operator_();
   user.clear_press();
   proto::Press& press = *user.add_press();
   press.set_button(proto::Press::DEAD_MAN);
   press.set_at_s(engage);
-  proto::Push& nudge = *hand.add_push();
-  nudge.set_at_s(engage + 0.3 + 2 * seconds(m.to_slave + m.to_master));
-  nudge.set_lasting_s(0.004);
-  set(nudge.mutable_force_newton(), kNudge * m.axis_M);
+  push(hand, engage + 0.3 + fade + 2 * seconds(m.to_slave + m.to_master), 0.004, kNudge * m.axis_M);
 }
 
-Vec3 tool_at_start(const proto::Scene& scene) {
-  return std::visit([](const auto& r) { return r.truth().X_SE.p; }, make_robot(scene, 1));
+Pose tool_at_start(const proto::Scene& scene) {
+  return std::visit([](const auto& r) { return r.truth().X_SE; }, make_robot(scene, 1));
 }
 
 }  // namespace
 
 Scene linear_scene(const Scene& scene, int surface) {
   const AxisModel m = axis_model(scene, surface);
-  const Vec3 tool = tool_at_start(scene.proto);
+  const Pose tool = tool_at_start(scene.proto);
   Scene out = scene;
   out.proto.mutable_slave()->mutable_sim_arm()->clear_surface();
   for (const double side : {-1.0, 1.0})
-    add_half(*out.proto.mutable_slave()->mutable_sim_arm(), m.wall, tool, side * m.axis_S);
+    add_half(*out.proto.mutable_slave()->mutable_sim_arm(), m.wall, tool.p, side * m.axis_S);
   idealise(*out.proto.mutable_master());
   idealise(*out.proto.mutable_slave());
   set_network(*out.proto.mutable_link(), m);
-  script(*out.proto.mutable_master()->mutable_sim_hand(), m);
+  keep_touching(out.proto, m, tool.R);
+  script(*out.proto.mutable_master(), m);
   return out;
 }
 
-Scene pressing_scene(const Scene& scene, int surface, double press_newton) {
+Scene pressing_scene(const Scene& scene, int surface, double knock) {
   constexpr double kFree = 0.002, kFarthest = 0.05;  // [m]
+  constexpr double kKnockTime = 0.05;                // [s]
   const AxisModel m = axis_model(scene, surface);
   Scene out = scene;
   proto::SimArm& arm = *out.proto.mutable_slave()->mutable_sim_arm();
   proto::Surface wall = arm.surface(surface);
   set(wall.mutable_plane()->mutable_point_m(),
-      tool_at_start(scene.proto) + (kFree + arm.tip_radius_m()) * m.axis_S);
+      tool_at_start(scene.proto).p + (kFree + arm.tip_radius_m()) * m.axis_S);
   set(wall.mutable_plane()->mutable_normal(), -m.axis_S);
   arm.clear_surface();
   *arm.add_surface() = wall;
-  out.proto.mutable_master()->mutable_sim_hand()->clear_push();
-  proto::Operator& user = *out.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
+  proto::SimHand& hand = *out.proto.mutable_master()->mutable_sim_hand();
+  hand.clear_push();
+  if (knock > 0) push(hand, kPressed + 1, kKnockTime, knock * m.axis_M);
+  proto::Operator& user = *hand.mutable_operator_();
   user.clear_press();
   user.clear_motion();
-  const double wall_gives = (kFree + press_newton / m.wall.stiffness) / m.scale;
-  const double hand_gives = m.force_scale * press_newton / std::max(m.hand.hand.stiffness, 1.0);
+  const double wall_gives = (kFree + kPress / m.wall.stiffness) / m.scale;
+  const double hand_gives = m.force_scale * kPress / std::max(m.hand.hand.stiffness, 1.0);
   proto::Reach& reach = *user.mutable_motion()->add_reach();
   reach.set_at_s(kPressed - 1);
   reach.set_lasting_s(1);

@@ -20,6 +20,11 @@ void each(State& s, F f) {
   for (auto* joints : {&s.q, &s.dq, &s.servo_I, &s.servo_D, &s.last_q})
     for (auto& x : *joints) f(x);
   for (auto& x : s.answers) f(x);
+  if (!s.device) return;
+  auto& d = *s.device;
+  for (auto* x : {&d.x, &d.off_model, &d.v, &d.rest, &d.off_pose, &d.v_pose, &d.a, &d.disturbance})
+    f(*x);
+  for (auto& x : d.given) f(x);
 }
 
 Eigen::Index count(const AxisState& s) {

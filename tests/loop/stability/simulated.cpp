@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tests/loop/loopback.hpp"
 
@@ -13,13 +14,13 @@ constexpr double kFound = 0.005;  // of the boundary
 constexpr double kChatterFound = 0.05;
 constexpr double kFarthest = 10;  // from the guess
 
-double hand_speed(const AnyDevice& device) {
+Vec3 hand_velocity(const AnyDevice& device) {
   return std::visit(
-      [](const auto& d) {
+      [](const auto& d) -> Vec3 {
         if constexpr (requires { d.truth(); })
-          return d.truth().state.v_MH.norm();
+          return d.truth().state.v_MH;
         else
-          return 0.0;
+          return Vec3::Zero();
       },
       device);
 }
@@ -72,17 +73,17 @@ class Envelope {
   std::vector<double> peaks_;
 };
 
-// Where `grows` turns from false to true, walking outwards from the guess; 0: not within kFarthest.
+// Where `grows` turns from false to true, walking outwards from the guess. 0 and infinity: it does,
+// or does not, all the way to kFarthest.
 double turn(const std::function<bool(double)>& grows, double guess, double first_step,
             double found) {
-  if (!(guess > 0)) return 0;
   double calm = guess / first_step, wild = guess * first_step;
   for (double stride = 1.1; grows(calm); stride *= 1.3) {
     if (guess > kFarthest * calm) return 0;
     wild = calm, calm /= stride;
   }
   for (double stride = 1.1; !grows(wild); stride *= 1.3) {
-    if (wild > kFarthest * guess) return 0;
+    if (wild > kFarthest * guess) return std::numeric_limits<double>::infinity();
     calm = wild, wild *= stride;
   }
   while (wild > (1 + found) * calm) {
@@ -97,13 +98,15 @@ double turn(const std::function<bool(double)>& grows, double guess, double first
 double growth_rate(const Scene& linear, double longest_s) {
   const proto::Push& nudge = linear.proto.master().sim_hand().push(0);
   const double begin = nudge.at_s() + nudge.lasting_s();
+  const AxisModel axis = axis_model(linear, 0);
   Loopback loop(linear, {.duration_s = begin + longest_s});
   Envelope envelope(begin);
   loop.on_master = [&](const MasterTick& t) {
-    envelope.add(seconds(t.now - loop.start()), hand_speed(loop.device()));
+    envelope.add(seconds(t.now - loop.start()),
+                 std::abs(axis.axis_M.dot(hand_velocity(loop.device()))));
   };
   loop.on_slave = [&](const SlaveTick& t) {
-    envelope.add(seconds(t.now - loop.start()), t.out.V_SE.linear.norm());
+    envelope.add(seconds(t.now - loop.start()), std::abs(axis.axis_S.dot(t.out.V_SE.linear)));
   };
   for (double t = begin + kLook; t <= begin + longest_s; t += kLook) {
     loop.run_until(loop.start() + from_seconds(t));
@@ -116,26 +119,27 @@ double simulated_limit(const Scene& scene, int surface, Parameter p, double gues
   const auto grows = [&](double value) {
     return growth_rate(linear_scene(with(scene, surface, p, value), surface)) > 0;
   };
-  return turn(grows, guess, 1.04, kFound);
+  const double limit = turn(grows, guess, 1.04, kFound);
+  return std::isfinite(limit) ? limit : 0;
 }
 
 bool chatters(const Scene& pressing) {
   constexpr double kChatter = 0.005;  // [m/s] rms
-  Loopback loop(pressing, {.duration_s = kPressed + kHeld + 1});
+  Loopback loop(pressing, {.duration_s = kJudged + 1});
   double sum = 0;
   int ticks = 0;
-  loop.on_slave = [&](const SlaveTick& t) {
-    if (seconds(t.now - loop.start()) < kPressed + kHeld) return;
-    sum += t.out.V_SE.linear.squaredNorm();
+  loop.on_master = [&](const MasterTick& t) {
+    if (seconds(t.now - loop.start()) < kJudged) return;
+    sum += hand_velocity(loop.device()).squaredNorm();
     ++ticks;
   };
   loop.run();
   return sum > kChatter * kChatter * ticks;
 }
 
-double chatter_limit(const Scene& scene, int surface, Parameter p, double guess) {
+double chatter_limit(const Scene& scene, int surface, Parameter p, double guess, double knock) {
   const auto grows = [&](double value) {
-    return chatters(pressing_scene(with(scene, surface, p, value), surface));
+    return chatters(pressing_scene(with(scene, surface, p, value), surface, knock));
   };
   return turn(grows, guess, 1.5, kChatterFound);
 }

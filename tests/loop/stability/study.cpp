@@ -54,7 +54,7 @@ AxisStudy study_axis(const Scene& scene, int surface) {
   const LoopMatrices loop = loop_matrices(AxisPeriod(out.model));
   out.poles = poles(loop.closed(), out.model.Ts);
   out.radius = std::abs(out.poles.front().z);
-  if (out.model.reflects) out.margins = margins(loop, out.model.Ts);
+  if (out.model.reflects && out.stable()) out.margins = margins(loop, out.model.Ts);
   out.small_gain = small_gain(out.model);
   out.felt = felt_stiffness(out.model);
   for (const Parameter p : parameters_of(out.model))
@@ -69,9 +69,13 @@ void simulate(const Scene& scene, AxisStudy& study) {
           simulated_limit(scene, study.surface, limit.parameter, limit.predicted.value);
   if (!study.model.reflects) return;
   if (study.stable()) study.felt_measured = measured_felt_stiffness(scene, study.surface);
-  if (study.limits[0].simulated)
-    study.chatter_stiffness =
-        chatter_limit(scene, study.surface, Parameter::wall_stiffness, *study.limits[0].simulated);
+  const double linear = study.limits[0].simulated.value_or(0);
+  if (linear == 0) return;
+  const auto chatter_stiffness = [&](double knock) {
+    return chatter_limit(scene, study.surface, Parameter::wall_stiffness, linear, knock);
+  };
+  study.chatter_stiffness = chatter_stiffness(0);
+  study.knocked_stiffness = chatter_stiffness(kKnock);
 }
 
 std::vector<std::string> stability_warnings(const Scene& scene) {
@@ -82,7 +86,7 @@ std::vector<std::string> stability_warnings(const Scene& scene) {
     return out;
   for (int i = 0; i < surfaces(scene); ++i) {
     const AxisModel m = axis_model(scene, i);
-    if (!m.knows_device && radius(m) >= 1) out.push_back(warning(scene, i, m));
+    if (radius(m) >= 1) out.push_back(warning(scene, i, m));
   }
   return out;
 }

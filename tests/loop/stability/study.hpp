@@ -23,12 +23,13 @@ struct AxisStudy {
   AxisModel model;
   double radius = 0;
   std::vector<Pole> poles;
-  Margins margins;
+  Margins margins;  // of a stable one
   double small_gain = 0;
   FeltStiffness felt;
   std::optional<double> felt_measured;  // [N/m]
   std::vector<ParameterLimit> limits;
-  std::optional<double> chatter_stiffness;  // [N/m] with friction and a one-sided wall
+  // [N/m] from where on it chatters, with friction and a one-sided wall: left alone, and knocked.
+  std::optional<double> chatter_stiffness, knocked_stiffness;
 
   bool stable() const noexcept { return radius < 1; }
 };
@@ -40,7 +41,7 @@ void simulate(const Scene& scene, AxisStudy& study);
 
 // One sentence for each surface that the scene cannot press on without oscillating: which, how far
 // beyond, and what to change. Empty without a surface, a simulated hand or force feedback, and
-// where what is not analysed acts: stages that know the device, another bilateral architecture.
+// with another bilateral architecture, which is not analysed.
 std::vector<std::string> stability_warnings(const Scene& scene);
 
 std::string to_text(const Scene& scene, const AxisStudy& study);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "tests/loop/stability/simulated.hpp"
 #include "tests/loop/stability/study.hpp"
 
 namespace farhand {
@@ -39,6 +40,7 @@ std::string pole_rows(const AxisStudy& s) {
 }
 
 std::string margin_rows(const AxisStudy& s) {
+  if (!s.stable()) return "  no margins: it is beyond its boundary\n";
   const Margins& m = s.margins;
   std::string out;
   if (std::isfinite(m.gain))
@@ -79,6 +81,13 @@ std::string limit_rows(const AxisStudy& s) {
   return out;
 }
 
+std::string chatter(double from, double linear) {
+  if (from == 0) return fmt::format("at every stiffness down to {:.0f} N/m", linear / 10);
+  if (!std::isfinite(from)) return fmt::format("at no stiffness up to {:.0f} N/m", 10 * linear);
+  return fmt::format("from {:.4g} N/m on, {:+.0f} % from the linear boundary", from,
+                     100 * (from / linear - 1));
+}
+
 Json json(const StabilityLimit& l) {
   if (!std::isfinite(l.value)) return "any";
   return l.value;
@@ -110,7 +119,10 @@ Json json(const AxisStudy& s) {
   out["felt_newton_per_m"] = {
       {"wall", s.felt.wall}, {"servo", s.felt.servo}, {"predicted", s.felt.felt}};
   if (s.felt_measured) out["felt_newton_per_m"]["measured"] = *s.felt_measured;
-  if (s.chatter_stiffness) out["stiffness_with_friction_one_sided"] = *s.chatter_stiffness;
+  if (s.chatter_stiffness) {
+    out["chatters_from_newton_per_m"] = {{"pressed", json(StabilityLimit{*s.chatter_stiffness})},
+                                         {"knocked", json(StabilityLimit{*s.knocked_stiffness})}};
+  }
   return out;
 }
 
@@ -122,20 +134,15 @@ std::string to_text(const Scene& scene, const AxisStudy& s) {
                                 scene.path, s.surface, a.x(), a.y(), a.z());
   out +=
       fmt::format("  {}, spectral radius {:.6f}\n", s.stable() ? "stable" : "UNSTABLE", s.radius);
-  if (s.model.knows_device)
-    out +=
-        "  without device_model, device_feedforward, contact_damping and disturbance_observer, "
-        "which are not analysed\n";
   out += pole_rows(s);
   if (s.model.reflects) out += margin_rows(s);
   out += "  boundaries of the linear loop\n" + limit_rows(s);
   if (s.chatter_stiffness)
-    out += fmt::format("  with friction, pressing with 3 N on a one-sided wall: chatters {}\n",
-                       *s.chatter_stiffness > 0
-                           ? fmt::format("from {:.4g} N/m on, {:+.0f} % from the linear boundary",
-                                         *s.chatter_stiffness,
-                                         100 * (*s.chatter_stiffness / *s.limits[0].simulated - 1))
-                           : std::string("at every or at no stiffness within a factor of ten"));
+    out += fmt::format(
+        "  with friction and limits, pressing with {:g} N on a one-sided wall: chatters {};\n"
+        "  the same after a knock of {:g} N: {}\n",
+        kPress, chatter(*s.chatter_stiffness, *s.limits[0].simulated), kKnock,
+        chatter(*s.knocked_stiffness, *s.limits[0].simulated));
   out += fmt::format("  felt stiffness {:.1f} N/m of wall {:.1f} and servo {:.1f} N/m in series",
                      s.felt.felt, s.felt.wall, s.felt.servo);
   if (s.felt_measured)
