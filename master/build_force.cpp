@@ -83,7 +83,8 @@ ForceFeedbackConfig force_feedback_config(const proto::Master& master, double Ts
                                 .torque = f.max_torque_newton_meter(),
                                 .twist_torque = f.max_twist_torque_newton_meter(),
                                 .force_step = f.max_force_rate_newton_per_s() * Ts,
-                                .torque_step = f.max_torque_rate_newton_meter_per_s() * Ts}}};
+                                .torque_step = f.max_torque_rate_newton_meter_per_s() * Ts},
+                     .switching_share = f.switching_rate_share()}};
   ForceControllerConfig& k = c.controller;
   if (f.has_closed_loop()) k.closed_loop = closed_loop(f.closed_loop(), master.has_twin_delta());
   if (f.has_device_model()) k.device = device(master, Ts);

@@ -1,11 +1,13 @@
 #include "master/force_controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace farhand {
 namespace {
 
 constexpr double kSwitchTime = 0.1;  // [s] between open and closed loop
+constexpr double kSwitching = 0.2;   // [s] of slower changes after something came or went
 constexpr double kRounding = 1e-9;   // relative, of a wrench through the motors' map and back
 
 double size2(const Wrench& F) noexcept {
@@ -19,8 +21,12 @@ bool missing_something(const Wrench& missing, const Wrench& wanted) noexcept {
 
 ForceController::ForceController(const ForceControllerConfig& config, double Ts) noexcept
     : config_(config),
+      switching_limits_(config.limits),
+      switching_ticks_(static_cast<int>(std::lround(kSwitching / Ts))),
       closes_(config.closed_loop || config.device),
       share_step_(std::min(1.0, Ts / kSwitchTime)) {
+  switching_limits_.force_step *= config.switching_share;
+  switching_limits_.torque_step *= config.switching_share;
   if (config.closed_loop) loop_.emplace(*config.closed_loop, Ts);
   if (!config.device) return;
   observer_.emplace(config.device->model, config.device->observer, Ts);
@@ -33,8 +39,17 @@ const Wrench& ForceController::step(const ForceInputs& in, LimitSet& set) noexce
   Wrench F_env_G = in.F_env_G;
   if (!plausible(F_env_G)) F_env_G = {}, set |= kLimitNotFinite;
   wanted_ = closes_ ? beyond(in, F_env_G, set) - F_env_G : Wrench{} - F_env_G;
-  F_G_ = limit_wrench(config_.limits, wanted_, F_G_, set);
+  F_G_ = limit_wrench(limits(in), wanted_, F_G_, set);
   return F_G_;
+}
+
+const WrenchLimits& ForceController::limits(const ForceInputs& in) noexcept {
+  const There now{in.engaged, in.felt, in.F_user_G != nullptr, in.handle != nullptr};
+  if (now != there_) switching_ = switching_ticks_;
+  there_ = now;
+  if (switching_ == 0) return config_.limits;
+  --switching_;
+  return switching_limits_;
 }
 
 // All that is more than the open loop, at its share.

@@ -12,7 +12,10 @@
 //
 // `share` moves between 0 and 1 within 0.1 s when the handle is engaged and its user felt, and
 // back when not; on its way to 0 all but F_e stays as it last was. Then the limits act, and what
-// they and the motors' limits took away stops the integrals.
+// they and the motors' limits took away stops the integrals. For 0.2 s after anything came or went
+// (engagement, the environment, the user, the handle, the motors) the wrench changes at a share of
+// its rate: a coupling must not jerk, while a contact may be as sudden as it is, and a closed loop
+// held back by its rate would swing after a knock.
 #pragma once
 
 #include <array>
@@ -37,6 +40,7 @@ inline constexpr int kMaxMotorDelay = 7;
 
 struct ForceControllerConfig {
   WrenchLimits limits;
+  double switching_share = 1;  // of the limits' steps, after something came or went; (0, 1]
   std::optional<ForceLoopConfig> closed_loop{};
   std::optional<DeviceConfig> device{};  // needed by all that follow
   std::optional<DeviceFeedforwardConfig> feedforward{};
@@ -46,6 +50,7 @@ struct ForceControllerConfig {
 
 struct ForceInputs {
   Wrench F_env_G;                      // robot on environment, at H in handle axes
+  bool felt = true;                    // F_env_G is fresh: not faded, not uncoupled
   const Wrench* F_user_G = nullptr;    // user on handle; nullptr: not felt
   const HandlePose* handle = nullptr;  // measured now; nullptr: not measured
   Wrench F_given_G;                    // of the last command, what the motors' limits left
@@ -69,14 +74,25 @@ class ForceController {
   }
 
   // The motors gave nothing of the last command: the next one starts from zero, within its slew.
-  void let_go() noexcept { F_G_ = {}; }
+  void let_go() noexcept { F_G_ = {}, switching_ = switching_ticks_; }
 
  private:
+  const WrenchLimits& limits(const ForceInputs& in) noexcept;
   void observe(const HandlePose* handle, const Wrench* F_user_G, const Wrench& F_given_G) noexcept;
   Wrench beyond(const ForceInputs& in, const Wrench& F_env_G, LimitSet& set) noexcept;
   void unwind(const Wrench& F_given_G, LimitSet& set) noexcept;
 
+  // What may come and go.
+  struct There {
+    bool engaged = false, felt = false, user = false, handle = false;
+    bool operator==(const There&) const = default;
+  };
+
   ForceControllerConfig config_;
+  WrenchLimits switching_limits_;
+  int switching_ticks_;
+  There there_;
+  int switching_ = 0;  // ticks left
   bool closes_;
   double share_step_;
   std::optional<ForceLoop> loop_;

@@ -120,6 +120,7 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;
   const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,
+                                   .felt = share == 1,
                                    .F_user_G = tick_.user_felt ? &tick_.F_user_G : nullptr,
                                    .handle = measured ? &tick_.handle : nullptr,
                                    .F_given_G = F_given_G_,

@@ -40,6 +40,7 @@ struct Rig {
   const Wrench& tick(int times = 1) {
     for (int k = 0; k < times; ++k)
       F = controller.step({.F_env_G = F_env,
+                           .felt = fresh,
                            .F_user_G = felt ? &F_user : nullptr,
                            .handle = &handle,
                            .F_given_G = F,
@@ -50,7 +51,7 @@ struct Rig {
   ForceController controller;
   HandlePose handle;
   Wrench F_env, F_user, F;
-  bool felt = true, engaged = true;
+  bool felt = true, engaged = true, fresh = true;
   LimitSet limits = kLimitNone;
 };
 
@@ -69,6 +70,32 @@ TEST(ForceController, StepsOfTheEnvironmentBecomeRamps) {
   rig.F_env.force = Vec3(-4, 0, 0);
   for (int k = 1; k <= 8; ++k) EXPECT_NEAR(rig.tick().force.x(), 0.5 * k, 1e-12);
   EXPECT_TRUE(rig.limits & kLimitSlew);
+}
+
+// A coupling must not jerk; a contact may be as sudden as it is.
+TEST(ForceController, AfterAnythingCameOrWentTheForceChangesSlower) {
+  ForceControllerConfig config = open_loop();
+  config.switching_share = 0.25;
+  Rig rig(config);
+  const auto step = [&] {
+    rig.tick(300);  // 0.2 s are over
+    const double before = rig.F.force.x();
+    return [&rig, before](int ticks) { return std::abs(rig.tick(ticks).force.x() - before); };
+  };
+  const auto contact = step();
+  rig.F_env.force.x() = 4;
+  EXPECT_NEAR(contact(1), 0.5, 1e-12);
+  for (bool* there : {&rig.engaged, &rig.fresh, &rig.felt})
+    for (const bool now : {false, true}) {
+      const auto change = step();
+      *there = now;
+      rig.F_env.force.x() = -rig.F_env.force.x();
+      EXPECT_NEAR(change(1), 0.125, 1e-12);
+      EXPECT_NEAR(change(19), 20 * 0.125, 1e-12);
+    }
+  rig.tick(300);
+  rig.controller.let_go();
+  EXPECT_NEAR(rig.tick().force.norm(), 0.125, 1e-12);
 }
 
 TEST(ForceController, ClosedLoopHelpsTheUserOnEveryAxisByItsOwnGain) {
