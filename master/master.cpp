@@ -87,12 +87,15 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 }
 
 // What of the slave's side is felt, by the bilateral architecture.
-Wrench Master::environment(const SlaveToMaster& in) const noexcept {
+Wrench Master::environment(const SlaveToMaster& in, double share) noexcept {
   Wrench F_G;
   if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
-  if (config_.robot_coupling)
-    F_G = F_G + couple(*config_.robot_coupling, tick_.handle, tick_.out.V_MH, in);
-  return F_G;
+  if (config_.robot_coupling) {
+    const Wrench F = couple(*config_.robot_coupling, tick_.handle, tick_.out.V_MH, in);
+    tick_.F_coupling_G = share * F;
+    F_G = F_G + F;
+  }
+  return share * F_G;
 }
 
 Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
@@ -115,7 +118,8 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
-  tick_.F_env_G = felt ? share * environment(*slave.newest) : Wrench{};
+  if (config_.robot_coupling) tick_.F_coupling_G = {};
+  tick_.F_env_G = felt ? environment(*slave.newest, share) : Wrench{};
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;

@@ -59,6 +59,7 @@ struct MasterTick {
   bool coupled = false;            // whether the robot follows the handle
   Wrench F_env_G;                  // robot on environment in handle axes, as compensated;
                                    // guidance against it
+  Wrench F_coupling_G;             // the share of the coupling to the robot's pose in it
   Wrench F_G;                      // commanded: handle on hand
   Vec6 tau = Vec6::Zero();         // written to the device [N m]
   bool position_controlled = false;
@@ -86,7 +87,7 @@ class Master {
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
-  Wrench environment(const SlaveToMaster& in) const noexcept;
+  Wrench environment(const SlaveToMaster& in, double share) noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 

@@ -4,6 +4,10 @@
 
 namespace farhand {
 
+Wrench boundary_wrench(const WorkspaceConfig& workspace, const SlaveTick& tick) noexcept {
+  return bring(workspace, tick.out.F_E_M - reflect(workspace, tick.F_E_S));
+}
+
 Slave::Slave(const SlaveConfig& config) noexcept
     : config_(config),
       q_step_(config.joints.speed * config.Ts),
