@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loop/run.hpp"
+#include "tests/loop/truth.hpp"
 
 namespace farhand {
 namespace {
@@ -30,12 +31,6 @@ void reach(proto::Motion& m, double at, double lasting, const Vec3& by) {
 
 proto::Operator& hand(Scene& scene) {
   return *scene.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
-}
-
-// What the motors' torques do to the hand.
-Vec3 force_from_torques(const MasterTick& t) {
-  const TwinDeltaForward at = forward(kTwinDelta, t.reading.theta);
-  return wrench(jacobian(kTwinDelta, at, t.handle.R_MG), t.tau).force;
 }
 
 struct Events {
@@ -73,7 +68,7 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     update(handle, t.reading.theta, pose);
     map_forces(handle, pose);
     e.handle_limits += rises(on && edge_wrench(handle, *g.handle_limits).force.norm() > 1, limits);
-    const Vec3 f = force_from_torques(t);
+    const Vec3 f = motor_wrench(t).force;
     // Where no force is accepted the motors let go, within torque_rise_time_s.
     released = (t.limits & kLimitAcceptance) != 0 ? kReleaseTicks : std::max(0, released - 1);
     e.left_acceptance += rises(released > 0, outside);
@@ -166,7 +161,7 @@ TEST(Guidance, TheHandIsStrongerThanEveryWall) {
   Loopback loop(scene, {.duration_s = 7});
   double strongest = 0, furthest = 0, last_force = 0;
   loop.on_master = [&](const MasterTick& t) {
-    strongest = std::max(strongest, force_from_torques(t).norm());
+    strongest = std::max(strongest, motor_wrench(t).force.norm());
     furthest = std::max(furthest, t.handle.X_MH.p.y());
     last_force = t.F_G.force.norm();
   };
@@ -197,7 +192,7 @@ TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
   double strongest = 0, least_cos = 1, end_error = 1, back_at = 0;
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
-    strongest = std::max(strongest, force_from_torques(t).norm());
+    strongest = std::max(strongest, motor_wrench(t).force.norm());
   };
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);
