@@ -67,6 +67,9 @@ struct MasterTick {
   LimitSet limits = kLimitNone;
 };
 
+// Whether the slave's contact wrench is of use.
+bool wants_force(const MasterConfig& config) noexcept;
+
 class Master {
  public:
   explicit Master(const MasterConfig& config);
@@ -77,7 +80,7 @@ class Master {
 
   // Motor torques for this period. Write tick.tau. The reference stays valid until the next
   // sample(). danger_M, for the danger cue of position control: towards a danger, length from 0,
-  // none, to 1, at its nearest.
+  // none, to 1, at its nearest; added to what the robot presses on, if the cue listens to that.
   const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
                             const Vec3& danger_M = Vec3::Zero()) noexcept;
 
@@ -88,6 +91,7 @@ class Master {
   void count_presses() noexcept;
   void sense_force() noexcept;
   Wrench environment(const SlaveToMaster& in, double share) noexcept;
+  Vec3 pressed_on(const Peer<SlaveToMaster>& slave) const noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 
