@@ -54,6 +54,11 @@ void each(SceneRules& rules, std::string field, F broken, std::string what, std:
       {M::descriptor(), std::move(field), true, ask, std::move(what), std::move(remedy)});
 }
 
+// The danger cue of position control takes what the robot presses on for a danger.
+inline bool cue_of_contact(const proto::Scene& s) {
+  return s.master().position_control().danger_cue().contact_newton() > 0;
+}
+
 // Sampling cannot tell higher frequencies from lower ones. 0 means no filter.
 template <typename M>
 void below_half_the_rate(SceneRules& rules, const char* name) {

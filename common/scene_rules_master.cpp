@@ -21,9 +21,12 @@ void scene_rules(Rules& r) {
       "add slave { ... } with a robot, workspace and joint_pid, or master.position_control to "
       "drive the handle itself");
   rule<Scene>(
-      r, "slave", [](const Scene& s) { return s.has_slave() && s.master().has_position_control(); },
+      r, "slave",
+      [](const Scene& s) {
+        return s.has_slave() && s.master().has_position_control() && !cue_of_contact(s);
+      },
       "has nothing to follow while position_control drives the handle",
-      "remove the slave or the position_control");
+      "remove the slave or the position_control, or give its danger_cue contact_newton");
   rule<Scene>(
       r, "link", [](const Scene& s) { return s.has_link() && !s.has_slave(); },
       "leads nowhere without a slave", "remove it");
@@ -186,6 +189,10 @@ void position_control_rules(Rules& r) {
       r, "max_force_rate_newton_per_s",
       [](const P& p) { return p.has_max_force_rate_newton_per_s() && p.max_speed_m_per_s() == 0; },
       "acts only in safe motion", "add max_speed_m_per_s, or remove it");
+  rule<P>(
+      r, "danger_cue.contact_newton",
+      [](const Scene& s, const P&) { return cue_of_contact(s) && !s.slave().has_force_sensing(); },
+      "listens to a force that nothing senses", "add a slave with force_sensing {}, or remove it");
   each<P>(
       r, "set_point",
       [](const P& p, int i) { return i > 0 && p.set_point(i).at_s() <= p.set_point(i - 1).at_s(); },

@@ -23,7 +23,7 @@ void slave_rules(Rules& r) {
   rule<S>(
       r, "force_sensing",
       [](const Scene& s, const S& m) {
-        return m.has_force_sensing() && !s.master().has_force_feedback();
+        return m.has_force_sensing() && !s.master().has_force_feedback() && !cue_of_contact(s);
       },
       "sends a force nobody reflects",
       "add force_feedback {} to the master, or remove force_sensing");

@@ -69,7 +69,9 @@ PositionControlConfig position_control(const proto::PositionControl& p, double T
   if (p.has_park()) c.park_p_MH = vec3(p.park().position_m());
   if (p.has_danger_cue()) {
     const proto::DangerCue& cue = p.danger_cue();
-    c.danger_cue = {.max_shift = cue.max_shift_m(), .shift_step = cue.speed_m_per_s() * Ts};
+    c.danger_cue = {.max_shift = cue.max_shift_m(),
+                    .shift_step = cue.speed_m_per_s() * Ts,
+                    .contact = cue.contact_newton()};
     for (const auto& d : cue.danger())
       c.danger_cue->script.push_back(
           {from_seconds(d.at_s()), from_seconds(d.lasting_s()), vec3(d.towards())});
@@ -114,6 +116,8 @@ std::string position_control_stage(const proto::PositionControl& p) {
   if (p.has_park()) out += ", parks";
   if (p.has_danger_cue())
     out += fmt::format(", danger cue up to {:g} mm", 1e3 * p.danger_cue().max_shift_m());
+  if (p.danger_cue().contact_newton() > 0)
+    out += fmt::format(" at a contact of {:g} N", p.danger_cue().contact_newton());
   return out;
 }
 

@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
         if (!scene.proto.has_slave()) {
           refuse_addresses(options, scene);
         } else {
-          const auto capabilities = master.config().force_feedback ? kForceWanted : 0u;
+          const auto capabilities = wants_force(master.config()) ? kForceWanted : 0u;
           link.emplace(LinkConfig{.session = random_session(),
                                   .scene_hash = scene.shared_hash,
                                   .capabilities = capabilities,

@@ -2,13 +2,19 @@
 
 namespace farhand {
 
+bool wants_force(const MasterConfig& config) noexcept {
+  const auto& position = config.position_control;
+  return config.force_feedback ||
+         (position && position->danger_cue && position->danger_cue->contact > 0);
+}
+
 Master::Master(const MasterConfig& config)
     : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
   if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
   if (config.position_control) position_.emplace(*config.position_control, config.Ts);
   maps_forces_ = force_sensing_ || force_ || position_;
-  tick_.out.force_wanted = force_.has_value();
+  tick_.out.force_wanted = wants_force(config);
   tick_.user_estimated = force_ && force_->user_estimate() != nullptr;
   tick_.position_controlled = position_.has_value();
 }
@@ -71,7 +77,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   if (!force_ && !position_) return tick_;
 
   Vec6 tau = Vec6::Zero();
-  tick_.F_G = position_ ? drive_to_target(now, danger_M) : wanted_wrench(slave);
+  tick_.F_G = position_ ? drive_to_target(now, danger_M + pressed_on(slave)) : wanted_wrench(slave);
   if (forces_ == Status::ok) {
     tau = torque(handle_, tick_.F_G);
   } else if (tick_.reading.ok && tick_.handle.status == Status::ok) {
@@ -87,12 +93,24 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 }
 
 // What of the slave's side is felt, by the bilateral architecture.
-Wrench Master::environment(const SlaveToMaster& in) const noexcept {
+Wrench Master::environment(const SlaveToMaster& in, double share) noexcept {
   Wrench F_G;
   if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
-  if (config_.robot_coupling)
-    F_G = F_G + couple(*config_.robot_coupling, tick_.handle, tick_.out.V_MH, in);
-  return F_G;
+  if (config_.robot_coupling) {
+    const Wrench F = couple(*config_.robot_coupling, tick_.handle, tick_.out.V_MH, in);
+    tick_.F_coupling_G = share * F;
+    F_G = F_G + F;
+  }
+  return share * F_G;
+}
+
+// As a danger of the cue: faded by its age as a felt force is, and none over a stale link.
+Vec3 Master::pressed_on(const Peer<SlaveToMaster>& slave) const noexcept {
+  const auto& cue = config_.position_control->danger_cue;
+  if (!cue || !(cue->contact > 0)) return Vec3::Zero();
+  if (slave.newest == nullptr || !slave.connected || slave.age > config_.stale) return Vec3::Zero();
+  return fade(CompensationConfig{}, slave.age) *
+         clamp_norm(Vec3(slave.newest->F_E_M.force / cue->contact), 1);
 }
 
 Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
@@ -115,7 +133,8 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
-  tick_.F_env_G = felt ? share * environment(*slave.newest) : Wrench{};
+  if (config_.robot_coupling) tick_.F_coupling_G = {};
+  tick_.F_env_G = felt ? environment(*slave.newest, share) : Wrench{};
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;

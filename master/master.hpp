@@ -59,12 +59,16 @@ struct MasterTick {
   bool coupled = false;            // whether the robot follows the handle
   Wrench F_env_G;                  // robot on environment in handle axes, as compensated;
                                    // guidance against it
+  Wrench F_coupling_G;             // the share of the coupling to the robot's pose in it
   Wrench F_G;                      // commanded: handle on hand
   Vec6 tau = Vec6::Zero();         // written to the device [N m]
   bool position_controlled = false;
   Vec3 p_MH_target = Vec3::Zero();  // of position control
   LimitSet limits = kLimitNone;
 };
+
+// Whether the slave's contact wrench is of use.
+bool wants_force(const MasterConfig& config) noexcept;
 
 class Master {
  public:
@@ -76,7 +80,7 @@ class Master {
 
   // Motor torques for this period. Write tick.tau. The reference stays valid until the next
   // sample(). danger_M, for the danger cue of position control: towards a danger, length from 0,
-  // none, to 1, at its nearest.
+  // none, to 1, at its nearest; added to what the robot presses on, if the cue listens to that.
   const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
                             const Vec3& danger_M = Vec3::Zero()) noexcept;
 
@@ -86,7 +90,8 @@ class Master {
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
-  Wrench environment(const SlaveToMaster& in) const noexcept;
+  Wrench environment(const SlaveToMaster& in, double share) noexcept;
+  Vec3 pressed_on(const Peer<SlaveToMaster>& slave) const noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
 

@@ -40,6 +40,7 @@ struct DangerCueConfig {
   double max_shift = 0.02;         // [m] at a danger of length 1
   double shift_step = 8e-5;        // [m per tick]
   std::vector<Scripted> script{};  // added to the danger given each tick
+  double contact = 0;  // [N] of the robot's contact force at a danger of 1; 0: no danger
 };
 
 struct PositionControlConfig {

@@ -4,6 +4,7 @@
 
 #include "common/mcap_reader.hpp"
 #include "common/record_fields.hpp"
+#include "common/scene_bilateral.hpp"
 #include "proto/foxglove.pb.h"
 
 namespace farhand {
@@ -27,7 +28,7 @@ void fill_reading(record::MasterRecord& to, const HandleReading& from, int motor
   append(to.mutable_lower_sensor_force_a2_n(), from.ends.f_E2_A2);
 }
 
-void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
+void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedMaster& master) {
   to.set_mode(static_cast<record::Mode>(from.mode));
   append(to.mutable_handle_position_m_m(), from.handle.X_MH.p);
   append(to.mutable_handle_quaternion_m(), from.out.q_MH);
@@ -41,9 +42,13 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
   }
   append(to.mutable_environment_force_g_n(), from.F_env_G.force);
   append(to.mutable_environment_torque_g_nm(), from.F_env_G.torque);
+  if (master.coupled) {
+    append(to.mutable_coupling_force_g_n(), from.F_coupling_G.force);
+    append(to.mutable_coupling_torque_g_nm(), from.F_coupling_G.torque);
+  }
   append(to.mutable_force_g_n(), from.F_G.force);
   append(to.mutable_torque_g_nm(), from.F_G.torque);
-  append(to.mutable_tau_nm(), std::span(from.tau.data(), static_cast<std::size_t>(motors)));
+  append(to.mutable_tau_nm(), std::span(from.tau.data(), static_cast<std::size_t>(master.motors)));
   if (from.position_controlled) append(to.mutable_target_position_m_m(), from.p_MH_target);
   to.set_limits(from.limits);
   to.set_slave_mode(static_cast<record::Mode>(from.slave_mode));
@@ -52,9 +57,9 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, int motors) {
 
 }  // namespace
 
-void fill(record::MasterRecord& to, const MasterRecord& from, int motors) {
-  fill_reading(to, from.tick.reading, motors);
-  fill_tick(to, from.tick, motors);
+void fill(record::MasterRecord& to, const MasterRecord& from, const RecordedMaster& master) {
+  fill_reading(to, from.tick.reading, master.motors);
+  fill_tick(to, from.tick, master);
   set_timing(to, from.timing);
   set_link(to, from.link);
 }
@@ -87,14 +92,15 @@ std::vector<HandleReading> read_readings(McapReader& reader) {
 
 MasterRecording::MasterRecording(RecordingFile& file, const proto::Scene& scene)
     : file_(file),
-      motors_(scene.master().has_falcon() ? 3 : 6),
+      master_{.motors = scene.master().has_falcon() ? 3 : 6,
+              .coupled = scene.master().has_force_feedback() && channels(scene).robot_position},
       ticks_(file.channel(kMasterTopic, *record::MasterRecord::descriptor())),
       pose_(file.channel("/handle/pose", *foxglove::PoseInFrame::descriptor())),
       transforms_(file.channel("/tf", *foxglove::FrameTransform::descriptor())) {}
 
 void MasterRecording::add(const MasterRecord& r) {
   message_.Clear();
-  fill(message_, r, motors_);
+  fill(message_, r, master_);
   file_.write(ticks_, r.tick.now, message_);
   if (!viewers_.due(r.tick.now)) return;
   file_.write_pose(pose_, r.tick.now, "M", r.tick.handle.X_MH);

@@ -14,8 +14,14 @@ class McapReader;
 
 inline constexpr const char* kMasterTopic = "/master";
 
-// Fills an empty message. `motors` is how many motor angles the handle has.
-void fill(record::MasterRecord& to, const MasterRecord& from, int motors);
+// What a master has that its ticks do not tell.
+struct RecordedMaster {
+  int motors = 6;        // angles of the handle
+  bool coupled = false;  // to the robot's pose, by the bilateral architecture
+};
+
+// Fills an empty message.
+void fill(record::MasterRecord& to, const MasterRecord& from, const RecordedMaster& master);
 
 // As read from the device; not ok if the message holds another number of angles than a handle has.
 HandleReading handle_reading(const record::MasterRecord& from) noexcept;
@@ -31,7 +37,7 @@ class MasterRecording {
 
  private:
   RecordingFile& file_;
-  int motors_;
+  RecordedMaster master_;
   std::uint16_t ticks_, pose_, transforms_;
   ViewerRate viewers_;
   record::MasterRecord message_;

@@ -22,6 +22,10 @@ JointLimits without_bounds(JointLimits joints) noexcept {
   return joints;
 }
 
+double time_of(const JointLimits& joints, const Vec6& move) noexcept {
+  return move.cwiseAbs().cwiseQuotient(joints.speed).maxCoeff();
+}
+
 // Distance of the wrist centre from the shoulder at the elbow's sine of q3.
 double reach_at(const ArmGeometry& arm, double sin_q3) noexcept {
   return std::sqrt(arm.a2 * arm.a2 + arm.d4 * arm.d4 + 2 * arm.a2 * arm.d4 * sin_q3);
@@ -86,13 +90,26 @@ Vec3 Boundary::project(const Vec3& p_S_wrist) noexcept {
   return w + Vec3(0, 0, arm_.d1);
 }
 
-BoundaryHold Boundary::step(const Pose& X_wish) noexcept {
+// The wish goes on beyond the limits, and a joint is held at its own. But close by a singularity
+// the wish may turn past a limit faster than the command follows; where then the other shoulder or
+// wrist is within them and much sooner reached, it is right.
+ArmNearest Boundary::beyond_limits(const Pose& X_SE, const Vec6& lag) const noexcept {
+  const ArmNearest on = inverse(arm_, without_bounds(joints_), X_SE, q_wish_ + lag);
+  if (on.status != Status::ok || config_.wrist_margin > 0) return on;
+  const Vec6 q_cmd = last_.q + lag;
+  const ArmNearest other = inverse(arm_, joints_, X_SE, q_cmd);
+  const bool differs =
+      other.branch.wrist != on.branch.wrist || other.branch.shoulder != on.branch.shoulder;
+  const bool sooner = 2 * time_of(joints_, other.q - q_cmd) < time_of(joints_, on.q - q_cmd);
+  return other.status == Status::ok && differs && sooner ? other : on;
+}
+
+BoundaryHold Boundary::step(const Pose& X_wish, const Vec6& lag) noexcept {
   const Vec3 wish = wrist_centre(arm_, X_wish), kept = project(wish);
   BoundaryHold now{.held = (kept - wish).squaredNorm() > kRounding * kRounding, .X_SE = X_wish};
   if (now.held) now.X_SE.p += kept - wish;
-  ArmNearest nearest = inverse(arm_, joints_, now.X_SE, q_wish_);
-  if (nearest.status == Status::out_of_limits)
-    nearest = inverse(arm_, without_bounds(joints_), now.X_SE, q_wish_);
+  ArmNearest nearest = inverse(arm_, joints_, now.X_SE, q_wish_ + lag);
+  if (nearest.status == Status::out_of_limits) nearest = beyond_limits(now.X_SE, lag);
   now.status = nearest.status;
   if (now.status != Status::ok) {
     stretch({});

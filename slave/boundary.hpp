@@ -48,8 +48,9 @@ class Boundary {
 
   // Coupling: from here on wishes continue from the joint command q.
   void couple(const Vec6& q) noexcept;
-  // Once per tick while coupled.
-  BoundaryHold step(const Pose& X_wish) noexcept;
+  // Once per tick while coupled. `lag`: command less the q of the last step, of the joints for
+  // which the wish shall continue from the command (of two shoulders or wrists, the nearer to it).
+  BoundaryHold step(const Pose& X_wish, const Vec6& lag = Vec6::Zero()) noexcept;
   // Instead of step() while uncoupled: the spring lets go.
   void relax() noexcept;
 
@@ -59,6 +60,7 @@ class Boundary {
  private:
   void go_around(Eigen::Ref<Eigen::Vector2d> w) noexcept;
   Vec3 project(const Vec3& p_S_wrist) noexcept;
+  ArmNearest beyond_limits(const Pose& X_SE, const Vec6& lag) const noexcept;
   Wrench joint_spring(const Vec6& q, const Vec6& beyond) const noexcept;
   void stretch(const Wrench& wanted) noexcept;
 

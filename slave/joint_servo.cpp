@@ -5,6 +5,12 @@
 #include <numbers>
 
 namespace farhand {
+namespace {
+
+constexpr double kSpeedShare = 0.95;      // of a joint's largest speed
+constexpr double kFullSpeedAfter = 0.05;  // [s]
+
+}  // namespace
 
 PidConfig joint_gains(const JointServoConfig& c, double inertia, double torque_limit) noexcept {
   const double w = 2 * std::numbers::pi * c.bandwidth_hz;
@@ -24,20 +30,26 @@ std::complex<double> servo_error(const JointServoConfig& c, double w) noexcept {
   return (s * s + (1 - fed) * g.kd * s) / (s * s + g.kd * s + g.kp + g.ki / s);
 }
 
-JointServo::JointServo(const JointServoConfig& config, const ArmModel& model, double Ts) noexcept
+JointServo::JointServo(const JointServoConfig& config, const ArmModel& model, const Vec6& max_speed,
+                       double Ts) noexcept
     : config_(config),
       model_(model),
       dynamics_(make_arm_dynamics(model)),
       Ts_(Ts),
       rate_gain_(low_pass_gain(config.command_cutoff_hz, Ts)) {
-  for (int i = 0; i < 6; ++i)
-    pid_[i] = make_pid(joint_gains(config, config.inertia[i], model.links[i].torque_limit), Ts);
+  for (int i = 0; i < 6; ++i) {
+    const PidConfig gains = joint_gains(config, config.inertia[i], model.links[i].torque_limit);
+    pid_[i] = make_pid(gains, Ts);
+    max_drive_[i] = gains.kd * kSpeedShare * max_speed[i];
+  }
+  drive_step_ = max_drive_ * (Ts / kFullSpeedAfter);
 }
 
 void JointServo::reset() noexcept {
   state_ = {};
   primed_ = false;
   dq_cmd_.setZero();
+  drive_.setZero();
 }
 
 bool JointServo::saturated() const noexcept {
@@ -51,8 +63,14 @@ const Vec6& JointServo::command_rate(const Vec6& q_cmd) noexcept {
   return dq_cmd_;
 }
 
+Vec6 JointServo::limited(const Vec6& drive) const noexcept {
+  return drive.cwiseMax((drive_ - drive_step_).cwiseMax(-max_drive_))
+      .cwiseMin((drive_ + drive_step_).cwiseMin(max_drive_));
+}
+
 Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
-  Vec6 ahead = Vec6::Zero();
+  Vec6 ahead = Vec6::Zero(), drive;
+  for (int i = 0; i < 6; ++i) drive[i] = pid_[i].kp * (q_cmd[i] - q[i]);
   if (config_.gravity_compensation) ahead = gravity_torques(dynamics_, q);
   if (config_.friction_compensation || config_.velocity_feedforward) {
     const Vec6& dq_cmd = command_rate(q_cmd);
@@ -63,11 +81,22 @@ Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
                      model_.links[i].viscous * dq_cmd[i]);
     }
     if (const auto& fed = config_.velocity_feedforward) {
-      for (int i = 0; i < 6; ++i) ahead[i] += fed->share * pid_[i].kd_per_Ts * Ts_ * dq_cmd[i];
+      for (int i = 0; i < 6; ++i) {
+        const double push = fed->share * pid_[i].kd_per_Ts * Ts_ * dq_cmd[i];
+        ahead[i] += push;
+        drive[i] += push;
+      }
     }
   }
+  drive_ = limited(drive);
+  ahead -= drive - drive_;
   Vec6 tau;
-  for (int i = 0; i < 6; ++i) tau[i] = farhand::step(pid_[i], state_[i], q_cmd[i], q[i], ahead[i]);
+  for (int i = 0; i < 6; ++i) {
+    PidState& s = state_[i];
+    const double I = s.I, I_lost = s.I_lost;
+    tau[i] = farhand::step(pid_[i], s, q_cmd[i], q[i], ahead[i]);
+    if (drive[i] != drive_[i]) s.I = I, s.I_lost = I_lost;
+  }
   return tau;
 }
 

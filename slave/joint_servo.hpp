@@ -4,6 +4,13 @@
 //         servo            gravity  Coulomb and viscous friction            velocity feed-forward
 //
 // kp = J w^2, kd = 2 z w J, ki = integral kp; derivative on the measurement; w = 2 pi bandwidth.
+//
+// kp (q_cmd - q) + share kd dq_cmd is kd times the speed at which the derivative stops the joint.
+// It is held within kd times 95 % of the joint's largest speed (what the other joints' motion adds
+// has the rest) and takes 50 ms from rest to there; meanwhile the integral rests. So a command that
+// lags or turns round at full speed does not throw the joint beyond it, though the torque's own
+// slew is slow against a light joint. Below nothing changes.
+//
 // Each feed-forward term is a stage of its own and costs nothing when it is absent. dq_cmd is the
 // low-passed difference of q_cmd.
 #pragma once
@@ -47,8 +54,9 @@ std::complex<double> servo_error(const JointServoConfig& config, double w) noexc
 
 class JointServo {
  public:
-  // Ts > 0 [s]; the model gives gravity, friction and torque limits.
-  JointServo(const JointServoConfig& config, const ArmModel& model, double Ts) noexcept;
+  // Ts > 0 [s]; the model gives gravity, friction and torque limits; max_speed [rad/s].
+  JointServo(const JointServoConfig& config, const ArmModel& model, const Vec6& max_speed,
+             double Ts) noexcept;
 
   // Joint torques [N m], not yet limited. The first call after reset() starts without a kick.
   Vec6 step(const Vec6& q_cmd, const Vec6& q) noexcept;
@@ -58,6 +66,7 @@ class JointServo {
 
  private:
   const Vec6& command_rate(const Vec6& q_cmd) noexcept;
+  Vec6 limited(const Vec6& drive) const noexcept;
 
   JointServoConfig config_;
   ArmModel model_;
@@ -65,6 +74,9 @@ class JointServo {
   double Ts_;
   double rate_gain_;
   std::array<Pid, 6> pid_;
+  Vec6 max_drive_;   // kd times the largest speed asked for [N m]
+  Vec6 drive_step_;  // its largest change [N m per tick]
+  Vec6 drive_ = Vec6::Zero();
   std::array<PidState, 6> state_;
   bool primed_ = false;
   Vec6 q_cmd_ = Vec6::Zero();

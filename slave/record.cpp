@@ -43,16 +43,21 @@ std::string numbers(const Vec6& v) {
 
 }  // namespace
 
-void fill(record::SlaveRecord& to, const SlaveRecord& from) {
+void fill(record::SlaveRecord& to, const SlaveRecord& from, const SlaveConfig& slave) {
   fill_reading(to, from.tick.robot);
   fill_tick(to, from.tick);
+  if (slave.boundary && slave.workspace.force_scale > 0) {
+    const Wrench F_E_S = boundary_wrench(slave.workspace, from.tick);
+    append(to.mutable_boundary_force_s_n(), F_E_S.force);
+    append(to.mutable_boundary_torque_s_nm(), F_E_S.torque);
+  }
   set_timing(to, from.timing);
   set_link(to, from.link);
 }
 
 SlaveRecording::SlaveRecording(RecordingFile& file, const SlaveConfig& slave)
     : file_(file),
-      X_SM_{slave.workspace.R_SM, Vec3::Zero()},
+      slave_(slave),
       ticks_(file.channel(kSlaveTopic, *record::SlaveRecord::descriptor())),
       pose_(file.channel("/robot/pose", *foxglove::PoseInFrame::descriptor())),
       target_(file.channel("/robot/target", *foxglove::PoseInFrame::descriptor())),
@@ -67,13 +72,13 @@ SlaveRecording::SlaveRecording(RecordingFile& file, const SlaveConfig& slave)
 void SlaveRecording::add(const SlaveRecord& r) {
   const SlaveTick& t = r.tick;
   message_.Clear();
-  fill(message_, r);
+  fill(message_, r, slave_);
   file_.write(ticks_, t.now, message_);
   if (!viewers_.due(t.now)) return;
   file_.write_pose(pose_, t.now, "S", t.X_SE);
   file_.write_pose(target_, t.now, "S", t.X_SE_target);
   file_.write_transform(transforms_, t.now, "S", "E", t.X_SE);
-  file_.write_transform(transforms_, t.now, "S", "M", X_SM_);
+  file_.write_transform(transforms_, t.now, "S", "M", Pose{slave_.workspace.R_SM, Vec3::Zero()});
 }
 
 }  // namespace farhand

@@ -12,8 +12,8 @@ inline constexpr const char* kSlaveTopic = "/slave";
 // Metadata: q_lower_rad, q_upper_rad, joint_torque_nm; of all joints, with spaces between.
 inline constexpr const char* kRobotMetadata = "robot";
 
-// Fills an empty message.
-void fill(record::SlaveRecord& to, const SlaveRecord& from);
+// Fills an empty message with what a slave of this configuration did.
+void fill(record::SlaveRecord& to, const SlaveRecord& from, const SlaveConfig& slave);
 
 class SlaveRecording {
  public:
@@ -23,7 +23,7 @@ class SlaveRecording {
 
  private:
   RecordingFile& file_;
-  Pose X_SM_;
+  SlaveConfig slave_;
   std::uint16_t ticks_, pose_, target_, transforms_;
   ViewerRate viewers_;
   record::SlaveRecord message_;

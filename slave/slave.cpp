@@ -4,10 +4,14 @@
 
 namespace farhand {
 
+Wrench boundary_wrench(const WorkspaceConfig& workspace, const SlaveTick& tick) noexcept {
+  return bring(workspace, tick.out.F_E_M - reflect(workspace, tick.F_E_S));
+}
+
 Slave::Slave(const SlaveConfig& config) noexcept
     : config_(config),
       q_step_(config.joints.speed * config.Ts),
-      servo_(config.servo, config.model, config.Ts) {
+      servo_(config.servo, config.model, config.joints.speed, config.Ts) {
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
@@ -89,17 +93,22 @@ void Slave::follow_push(const MasterToSlave& in) noexcept {
 }
 
 // The tool target becomes a joint target if it can be reached; otherwise the last one stays, or
-// with a boundary slides along it.
+// with a boundary slides along it. It continues the last one, but for joint 1 and the wrist what
+// counts is where the command is: close by a singularity the target may turn them faster than they
+// can follow, and there the other shoulder or wrist is right at once.
 void Slave::reach() noexcept {
+  Vec6 lag = tick_.q_cmd - q_target_;
+  lag.segment<2>(1).setZero();
   if (boundary_) {
-    const BoundaryHold hold = boundary_->step(tick_.X_SE_target);
+    const BoundaryHold hold = boundary_->step(tick_.X_SE_target, lag);
     tick_.inverse = hold.status;
     q_target_ = hold.q;
     tick_.X_SE_target = hold.X_SE;
     if (hold.held) tick_.limits |= kLimitWorkspace;
     return;
   }
-  const ArmNearest nearest = inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_);
+  const ArmNearest nearest =
+      inverse(config_.arm, config_.joints, tick_.X_SE_target, q_target_ + lag);
   tick_.inverse = nearest.status;
   if (nearest.status == Status::ok)
     q_target_ = nearest.q;

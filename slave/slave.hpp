@@ -55,6 +55,10 @@ struct SlaveTick {
   SlaveToMaster out;
 };
 
+// The boundary's share in what a tick sent, at E, axes of S; of its torque nothing under rotation
+// lock, and of all of it nothing with force_scale 0. For a slave with a boundary.
+Wrench boundary_wrench(const WorkspaceConfig& workspace, const SlaveTick& tick) noexcept;
+
 class Slave {
  public:
   explicit Slave(const SlaveConfig& config) noexcept;

@@ -8,6 +8,8 @@ namespace {
 Chart exchange(const RunView& view, std::string title, const char* unit, double scale, double least,
                const Columns<3> MasterData::*user, const Columns<3> MasterData::*environment,
                const char* symbols[2]) {
+  const bool estimated = view.run.master && view.run.master->user_estimated;
+  const std::string user_name = std::string(symbols[0]) + (estimated ? " (estimated)" : "");
   Chart c = time_chart(view, std::move(title));
   c.panel_height = 96;
   for (const char* axis : {"x", "y", "z", "error"})
@@ -15,7 +17,7 @@ Chart exchange(const RunView& view, std::string title, const char* unit, double 
   if (!view.run.master) return c;
   const MasterData& m = *view.run.master;
   for (std::size_t i = 0; i < 3; ++i) {
-    c.panels[i].lines.push_back(line(view, m, (m.*user)[i], symbols[0], 0, scale));
+    c.panels[i].lines.push_back(line(view, m, (m.*user)[i], user_name, 0, scale));
     c.panels[i].lines.push_back(line(view, m, (m.*environment)[i], symbols[1], 1, scale));
   }
   c.panels[3].lines.push_back(
@@ -41,12 +43,21 @@ Chart contact_force(const RunView& view) {
   Chart c = time_chart(view, "Size of the forces");
   Panel tool = time_panel(view, "at the tool [N]", 1),
         hand = time_panel(view, "on the hand [N]", 1);
-  if (view.run.slave)
-    tool.lines.push_back(
-        line(view, *view.run.slave, length(view.run.slave->contact_force), "contact force", 1, 1));
-  if (view.run.master)
-    hand.lines.push_back(
-        line(view, *view.run.master, length(view.run.master->force), "commanded", 0, 1));
+  const auto add = [&](Panel& panel, const SideData& side, const Columns<3>& force,
+                       const char* name, int style) {
+    panel.lines.push_back(line(view, side, length(force), name, style, 1));
+  };
+  if (view.run.slave) {
+    const SlaveData& s = *view.run.slave;
+    add(tool, s, s.contact_force, "contact force", 1);
+    if (recorded(s.boundary_force)) add(tool, s, s.boundary_force, "of the boundary", 2);
+  }
+  if (view.run.master) {
+    const MasterData& m = *view.run.master;
+    add(hand, m, m.force, "commanded", 0);
+    if (recorded(m.coupling_force))
+      add(hand, m, m.coupling_force, "of the coupling to the robot", 4);
+  }
   if (view.limits && view.limits->max_force > 0) {
     hand.levels = {view.limits->max_force};
     c.level_name = "limit";

@@ -78,6 +78,9 @@ void MasterColumns::add(std::int64_t log_time_ns, const record::MasterRecord& r)
   farhand::add(data_.turn, turn_since(R_first_, orientation(r.handle_quaternion_m())));
   farhand::add(data_.user_force, r.user_force_g_n());
   farhand::add(data_.user_torque, r.user_torque_g_nm());
+  data_.user_estimated = data_.user_estimated || r.user_estimated();
+  farhand::add(data_.coupling_force, r.coupling_force_g_n());
+  farhand::add(data_.coupling_torque, r.coupling_torque_g_nm());
   farhand::add(data_.environment_force, r.environment_force_g_n());
   farhand::add(data_.environment_torque, r.environment_torque_g_nm());
   farhand::add(data_.force, r.force_g_n());
@@ -127,6 +130,8 @@ void SlaveColumns::add(std::int64_t log_time_ns, const record::SlaveRecord& r) {
   add_work(data_.t.back() - before, r);
   farhand::add(data_.contact_force, r.contact_force_s_n());
   farhand::add(data_.contact_torque, r.contact_torque_s_nm());
+  farhand::add(data_.boundary_force, r.boundary_force_s_n());
+  farhand::add(data_.boundary_torque, r.boundary_torque_s_nm());
   farhand::add(data_.q, r.q_rad());
   farhand::add(data_.q_command, r.q_command_rad());
   farhand::add(data_.tau, r.tau_nm());

@@ -52,6 +52,8 @@ struct MasterData : SideData {
   Columns<3> position;  // p_MH [m]
   Columns<3> turn;      // of the handle since the first tick: rotation vector, M axes [rad]
   Columns<3> user_force, user_torque;                // user on handle, G axes [N], [N m]
+  bool user_estimated = false;                       // by a model, not measured
+  Columns<3> coupling_force, coupling_torque;        // of environment_*, of the robot's pose
   Columns<3> environment_force, environment_torque;  // robot on environment, G axes
   Columns<3> force, torque;                          // commanded: handle on hand, G axes
   Columns<3> target;                                 // of position control, M axes [m]
@@ -65,9 +67,10 @@ struct SlaveData : SideData {
   Columns<3> position, target;               // of the tool, S axes [m]
   Columns<3> turn, target_turn;              // since the first tick: rotation vectors, S axes [rad]
   Columns<3> contact_force, contact_torque;  // robot on environment, S axes
-  Columns<6> q, q_command, tau;              // [rad], [N m]
-  Column position_error;                     // |target - tool| while coupled [m]
-  Column rotation_error;                     // angle between both while coupled [rad]
+  Columns<3> boundary_force, boundary_torque;  // the same of the boundary
+  Columns<6> q, q_command, tau;                // [rad], [N m]
+  Column position_error;                       // |target - tool| while coupled [m]
+  Column rotation_error;                       // angle between both while coupled [rad]
 };
 
 using Metadata = std::map<std::string, std::map<std::string, std::string>>;

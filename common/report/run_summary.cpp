@@ -29,9 +29,20 @@ constexpr auto kEngaged = static_cast<std::uint8_t>(Mode::engaged);
 
 enum class Touch { free, contact };
 
+// How the user's force is known. Rows of either kind, so that an estimate never passes for a
+// measurement.
+struct Source {
+  bool estimated;
+  const char* key;
+  const char* label;
+};
+constexpr Source kSources[] = {{false, "", ""}, {true, "estimated_", ", F_u estimated"}};
+
 // Size of a - b on the hand's side while engaged, as the programs' own tables have it.
-OfRun hand_error(const Columns<3> MasterData::*a, const Columns<3> MasterData::*b, Touch touch) {
+OfRun hand_error(const Columns<3> MasterData::*a, const Columns<3> MasterData::*b, Touch touch,
+                 bool estimated) {
   return at_master([=](const MasterData& m) {
+    if (m.user_estimated != estimated) return Figures{};
     const Column force = length(m.environment_force);
     return error_figures(select(distance(m.*a, m.*b), [&](std::size_t i) {
       return m.mode[i] == kEngaged && (force[i] > kContactForce) == (touch == Touch::contact);
@@ -113,14 +124,30 @@ SummaryGroup tracking_group(const std::vector<RunData>& runs) {
 SummaryGroup force_group(const std::vector<RunData>& runs) {
   GroupBuilder g = errors(runs, "Force: user's against environment's, while engaged");
   const auto row = [&](const char* key, const char* label, bool torque, Touch touch) {
-    g.row({key, label, torque ? "mN m" : "N", torque ? 1e3 : 1},
-          torque ? hand_error(&MasterData::user_torque, &MasterData::environment_torque, touch)
-                 : hand_error(&MasterData::user_force, &MasterData::environment_force, touch));
+    for (const Source& s : kSources)
+      g.row({std::string(s.key) + key, std::string(label) + s.label, torque ? "mN m" : "N",
+             torque ? 1e3 : 1},
+            torque ? hand_error(&MasterData::user_torque, &MasterData::environment_torque, touch,
+                                s.estimated)
+                   : hand_error(&MasterData::user_force, &MasterData::environment_force, touch,
+                                s.estimated));
   };
   row("force_error_free_n", "F_u \u2212 F_e, free", false, Touch::free);
   row("force_error_contact_n", "F_u \u2212 F_e, in contact", false, Touch::contact);
   row("torque_error_free_nm", "torque, free", true, Touch::free);
   row("torque_error_contact_nm", "torque, in contact", true, Touch::contact);
+  const auto size = [&](const char* key, const char* label, auto at, auto force) {
+    g.row({key, label, "N"}, at([force](const auto& side) {
+            return error_figures(select(length(side.*force),
+                                        [&](std::size_t i) { return side.mode[i] == kEngaged; }));
+          }));
+  };
+  size(
+      "coupling_force_n", "of the coupling to the robot", [](auto f) { return at_master(f); },
+      &MasterData::coupling_force);
+  size(
+      "boundary_force_n", "of the boundary, at the tool", [](auto f) { return at_slave(f); },
+      &SlaveData::boundary_force);
   g.row({"force_on_hand_n", "commanded on the hand", "N"}, at_master([](const MasterData& m) {
           return error_figures(
               select(length(m.force), [&](std::size_t i) { return m.mode[i] == kEngaged; }));

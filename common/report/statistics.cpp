@@ -57,6 +57,10 @@ Column distance(const Columns<3>& a, const Columns<3>& b) {
   return out;
 }
 
+bool recorded(const Columns<3>& a) noexcept {
+  return std::any_of(a[0].begin(), a[0].end(), [](float x) { return std::isfinite(x); });
+}
+
 Column length(const Columns<3>& a) {
   Column out(a[0].size());
   for (std::size_t i = 0; i < out.size(); ++i)

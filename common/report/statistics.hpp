@@ -22,6 +22,9 @@ double jitter(const Column& round_trip_us);
 Column distance(const Columns<3>& a, const Columns<3>& b);
 Column length(const Columns<3>& a);
 
+// Whether there is a value at all.
+bool recorded(const Columns<3>& a) noexcept;
+
 // The samples for which `where` holds.
 std::vector<float> select(const Column& samples, const std::function<bool(std::size_t)>& where);
 

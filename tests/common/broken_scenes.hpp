@@ -218,6 +218,8 @@ inline std::vector<BrokenScene> broken_scenes() {
        "master.position_control.max_force_newton", "does not exceed the weight"},
       {"master { " + falcon + "danger_cue {\n max_shift_m: @0.03 } } }",
        "master.position_control.danger_cue.max_shift_m", "too large"},
+      {"master { " + falcon + "danger_cue {\n contact_newton: @10 } } }\n" + slave,
+       "master.position_control.danger_cue.contact_newton", "nothing senses"},
       // ---- guidance
       {slave + "master { " + hand + "\n @guidance { handle_limits {} } }", "master.guidance",
        "add force_feedback {}"},

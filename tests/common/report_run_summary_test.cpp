@@ -57,6 +57,33 @@ TEST(RunSummary, WhatWasNotRecordedIsLeftOut) {
   EXPECT_TRUE(j.contains("force_error_free_n"));
 }
 
+TEST(RunSummary, AnEstimateNeverPassesForAMeasurement) {
+  SyntheticRun made;
+  const auto measured = first_of({synthetic_loopback(made)});
+  EXPECT_FALSE(measured.contains("estimated_force_error_free_n"));
+  made.user_estimated = true;
+  const auto j = first_of({synthetic_loopback(made)});
+  EXPECT_FALSE(j.contains("force_error_free_n"));
+  EXPECT_NEAR(j["estimated_force_error_free_n"]["rms"], made.force_error_free_n, 1e-7);
+  const std::string page = report_html({synthetic_loopback(made)});
+  EXPECT_NE(page.find("F_u, user on handle (estimated)"), std::string::npos);
+  EXPECT_NE(page.find("free, F_u estimated"), std::string::npos);
+  EXPECT_EQ(report_html({synthetic_loopback({})}).find("estimated"), std::string::npos);
+}
+
+TEST(RunSummary, ForcesOfCouplingAndBoundaryAreToldWhereRecorded) {
+  SyntheticRun made;
+  const auto without = first_of({synthetic_loopback(made)});
+  EXPECT_FALSE(without.contains("coupling_force_n") || without.contains("boundary_force_n"));
+  made.coupling_n = 2, made.boundary_n = 3;
+  const auto j = first_of({synthetic_loopback(made)});
+  EXPECT_NEAR(j["coupling_force_n"]["rms"], 2, 1e-6);
+  EXPECT_NEAR(j["boundary_force_n"]["max"], 3, 1e-6);
+  const std::string page = report_html({synthetic_loopback(made)});
+  for (const char* name : {"of the coupling to the robot", "of the boundary"})
+    EXPECT_NE(page.find(name), std::string::npos) << name;
+}
+
 TEST(RunSummary, TablesHaveOneBlockPerRun) {
   const std::vector<RunData> runs{synthetic_loopback({}), synthetic_master({})};
   for (const Table& t : tables(summarize(runs), {"a", "b"}))

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loop/run.hpp"
+#include "tests/loop/truth.hpp"
 
 namespace farhand {
 namespace {
@@ -30,12 +31,6 @@ void reach(proto::Motion& m, double at, double lasting, const Vec3& by) {
 
 proto::Operator& hand(Scene& scene) {
   return *scene.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
-}
-
-// What the motors' torques do to the hand.
-Vec3 force_from_torques(const MasterTick& t) {
-  const TwinDeltaForward at = forward(kTwinDelta, t.reading.theta);
-  return wrench(jacobian(kTwinDelta, at, t.handle.R_MG), t.tau).force;
 }
 
 struct Events {
@@ -73,7 +68,7 @@ Events watch(const Scene& scene, std::uint64_t seed) {
     update(handle, t.reading.theta, pose);
     map_forces(handle, pose);
     e.handle_limits += rises(on && edge_wrench(handle, *g.handle_limits).force.norm() > 1, limits);
-    const Vec3 f = force_from_torques(t);
+    const Vec3 f = motor_wrench(t).force;
     // Where no force is accepted the motors let go, within torque_rise_time_s.
     released = (t.limits & kLimitAcceptance) != 0 ? kReleaseTicks : std::max(0, released - 1);
     e.left_acceptance += rises(released > 0, outside);
@@ -166,7 +161,7 @@ TEST(Guidance, TheHandIsStrongerThanEveryWall) {
   Loopback loop(scene, {.duration_s = 7});
   double strongest = 0, furthest = 0, last_force = 0;
   loop.on_master = [&](const MasterTick& t) {
-    strongest = std::max(strongest, force_from_torques(t).norm());
+    strongest = std::max(strongest, motor_wrench(t).force.norm());
     furthest = std::max(furthest, t.handle.X_MH.p.y());
     last_force = t.F_G.force.norm();
   };
@@ -197,7 +192,7 @@ TEST(Guidance, TheHandIsStrongerThanTheRobotsEdge) {
   double strongest = 0, least_cos = 1, end_error = 1, back_at = 0;
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
-    strongest = std::max(strongest, force_from_torques(t).norm());
+    strongest = std::max(strongest, motor_wrench(t).force.norm());
   };
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);
@@ -301,6 +296,53 @@ TEST(PositionControl, TheCueIsFeltWithinBoundsAndAStrongerHandIsObeyed) {
   EXPECT_LE(r.at_return, kRests);
   EXPECT_LE(r.at_park, kRests);
   EXPECT_LE(r.at_end, kRests);
+}
+
+// The robot of a held handle is pressed against a wall: the grip is drawn back from it, by its
+// share of 10 N, and comes back when the hand lets it.
+TEST(PositionControl, TheCueTellsOfWhatTheRobotPressesOn) {
+  Scene scene = shipped("falcon_arm");
+  proto::Master& m = *scene.proto.mutable_master();
+  m.clear_force_feedback();
+  proto::PositionControl& control = *m.mutable_position_control();
+  control.set_max_speed_m_per_s(0.1);
+  control.mutable_danger_cue()->set_contact_newton(10);
+  proto::Motion& motion = *hand(scene).mutable_motion();
+  motion.clear_sine();
+  motion.clear_reach();
+  reach(motion, 2, 1.5, Vec3(0, 0, -0.03));
+  reach(motion, 6, 1.5, Vec3(0, 0, 0.03));
+  Loopback loop(scene, {.duration_s = 10});
+  Checkers checkers(loop);
+  double free_shift = 0, largest = 0, end = 1, strongest = 0;
+  Vec3 home = Vec3::Zero(), contact = Vec3::Zero();
+  loop.on_master = [&](const MasterTick& t) {
+    checkers.check(t);
+    EXPECT_TRUE(t.out.force_wanted);
+    const double s = seconds(t.now - loop.start());
+    if (s < 0.2) home = t.p_MH_target;
+    const Vec3 shift = t.p_MH_target - home;
+    if (s < 2) free_shift = std::max(free_shift, shift.norm());
+    largest = std::max(largest, shift.z());
+    strongest = std::max(strongest, t.F_G.force.norm());
+    end = shift.norm();
+    if (s < 5.9) contact = loop.heard() != nullptr ? loop.heard()->F_E_M.force : contact;
+    if (s > 5.8 && s < 5.9) {
+      EXPECT_NEAR(shift.z(), -0.02 * contact.z() / 10, 1e-3);
+    }
+  };
+  loop.on_slave = [&](const SlaveTick& t) { checkers.check(t); };
+  loop.run();
+  EXPECT_EQ(checkers.count(), 0u);
+  for (const Violation& v : checkers.first()) ADD_FAILURE() << v.at_s << " s: " << v.what;
+  std::printf(
+      "cue of contact: shift %.2f mm free, %.1f mm pressing by %.1f N, %.2f mm at the end\n",
+      free_shift * 1e3, largest * 1e3, contact.norm(), end * 1e3);
+  // The sensor's noise alone, 0.05 N on each axis.
+  EXPECT_LE(free_shift, 0.02 * 6 * 0.05 / 10);
+  EXPECT_LE(end, 0.02 * 6 * 0.05 / 10);
+  EXPECT_GT(largest, 0.002);
+  EXPECT_LE(strongest, 8 * (1 + 1e-9));
 }
 
 }  // namespace

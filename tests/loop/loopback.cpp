@@ -117,8 +117,10 @@ void Loopback::slave_tick() {
 }
 
 void Loopback::sample() {
+  HandleReading reading = read(device_, now_);
+  on_reading(reading);
   const MasterToSlave& message =
-      master_.sample(now_, read(device_, now_), peer<SlaveToMaster>(link_, now_, loop_.lost));
+      master_.sample(now_, reading, peer<SlaveToMaster>(link_, now_, loop_.lost));
   next_sample_ += loop_.period;
   cut_off_ = now_;
   if (!slave_) return;

@@ -32,6 +32,8 @@ class Loopback {
  public:
   Loopback(const Scene& scene, const LoopbackOptions& options);
 
+  // What the device says may be changed before the master hears it.
+  std::function<void(HandleReading&)> on_reading = [](HandleReading&) {};
   // Called once per tick, after its command was written.
   std::function<void(const MasterTick&)> on_master = [](const MasterTick&) {};
   std::function<void(const SlaveTick&)> on_slave = [](const SlaveTick&) {};

@@ -35,18 +35,39 @@ std::string bytes_of(const std::string& path) {
   return out.str();
 }
 
+template <typename Record, typename Each>
+void for_each(const std::string& path, const char* topic, const Each& each) {
+  McapReader reader(path);
+  Record tick;
+  for (McapReader::Message m; reader.next(m);) {
+    if (m.topic != topic) continue;
+    EXPECT_TRUE(tick.ParseFromArray(m.data.data(), static_cast<int>(m.data.size())));
+    each(tick);
+  }
+  EXPECT_TRUE(reader.complete());
+}
+
 // Bits of the robot's joints, tick by tick.
 std::vector<double> joints(const std::string& path) {
   std::vector<double> out;
-  McapReader reader(path);
-  record::SlaveRecord tick;
-  for (McapReader::Message m; reader.next(m);) {
-    if (m.topic != "/slave") continue;
-    EXPECT_TRUE(tick.ParseFromArray(m.data.data(), static_cast<int>(m.data.size())));
+  for_each<record::SlaveRecord>(path, "/slave", [&](const record::SlaveRecord& tick) {
     out.insert(out.end(), tick.q_rad().begin(), tick.q_rad().end());
-  }
-  EXPECT_TRUE(reader.complete());
+  });
   return out;
+}
+
+// Architectures that couple the handle to the robot's pose, alone and beside the contact force.
+Scene coupled_scene(bool contact) {
+  Scene scene = shipped("twin_delta_closed");
+  auto& b = *scene.proto.mutable_bilateral();
+  if (contact) {
+    b.mutable_force_force();
+  } else {
+    b.mutable_position_position();
+    scene.proto.mutable_slave()->clear_force_sensing();
+    scene.proto.mutable_slave()->mutable_sim_arm()->clear_force_sensor();
+  }
+  return scene;
 }
 
 TEST(Replay, SameReadingsGiveTheSameBits) {
@@ -61,6 +82,53 @@ TEST(Replay, SameReadingsGiveTheSameBits) {
     EXPECT_EQ(again.slave.coupled_ticks, run.slave.coupled_ticks);
     EXPECT_EQ(joints(second.path()), joints(first.path()));
     EXPECT_EQ(joints(first.path()).size(), 6 * run.slave.ticks);
+  }
+}
+
+// A recording can only be replayed from its own scene's text, so the same scene runs twice here.
+TEST(Replay, WhatABilateralSceneRecordsChangesNoBit) {
+  for (const bool contact : {false, true}) {
+    const TemporaryFile file("", ".mcap");
+    const Scene scene = coupled_scene(contact);
+    const LoopbackOptions options{.seed = 7, .duration_s = 4};
+    EXPECT_EQ(recorded(scene, options, file.path()).digest, run_scene(scene, options).digest);
+    double largest = 0, unlike = 0;
+    for_each<record::MasterRecord>(file.path(), "/master", [&](const record::MasterRecord& r) {
+      ASSERT_EQ(r.coupling_force_g_n_size(), 3);
+      ASSERT_EQ(r.coupling_torque_g_nm_size(), 3);
+      for (int i = 0; i < 3; ++i) {
+        const double f = r.coupling_force_g_n(i);
+        largest = std::max(largest, std::abs(f));
+        unlike = std::max(unlike, std::abs(f - r.environment_force_g_n(i)));
+      }
+    });
+    EXPECT_GT(largest, 0.5);
+    // With positions alone the coupling is all there is; the contact comes on top.
+    EXPECT_EQ(unlike > 0, contact);
+  }
+}
+
+TEST(Replay, TheBoundarysShareIsRecordedWhereThereIsABoundary) {
+  for (const char* name : {"twin_delta_guided", "twin_delta_contact"}) {
+    const TemporaryFile file("", ".mcap");
+    const Scene scene = shipped(name);
+    recorded(scene, {}, file.path());
+    const bool has = scene.proto.slave().has_boundary();
+    const double cap = scene.proto.slave().boundary().max_force_newton();
+    double largest = 0;
+    for_each<record::SlaveRecord>(file.path(), "/slave", [&](const record::SlaveRecord& r) {
+      ASSERT_EQ(r.boundary_force_s_n_size(), has ? 3 : 0);
+      ASSERT_EQ(r.boundary_torque_s_nm_size(), has ? 3 : 0);
+      if (!has) return;
+      const Vec3 f(r.boundary_force_s_n(0), r.boundary_force_s_n(1), r.boundary_force_s_n(2));
+      largest = std::max(largest, f.norm());
+    });
+    for_each<record::MasterRecord>(file.path(), "/master", [](const record::MasterRecord& r) {
+      ASSERT_EQ(r.coupling_force_g_n_size(), 0);
+    });
+    std::printf("%s: the boundary's force is at most %.2f N\n", name, largest);
+    EXPECT_EQ(largest > 1, has);
+    EXPECT_LE(largest, cap * (1 + 1e-4));
   }
 }
 

@@ -60,8 +60,11 @@ StraightSlave<kRecorded>::StraightSlave(const SlaveConfig& config)
       q_step(config.joints.speed * config.Ts) {
   for (int i = 0; i < 6; ++i) {
     tau_max[i] = config.model.links[i].torque_limit;
-    pid[i] = make_pid(joint_gains(config.servo, config.servo.inertia[i], tau_max[i]), config.Ts);
+    const PidConfig gains = joint_gains(config.servo, config.servo.inertia[i], tau_max[i]);
+    pid[i] = make_pid(gains, config.Ts);
+    max_drive[i] = gains.kd * 0.95 * joints.speed[i];
   }
+  drive_step = max_drive * (config.Ts / 0.05);
   tau_step = tau_max * (config.Ts / config.torque_rise_time_s);
 }
 
@@ -94,8 +97,10 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   if (out.coupled) {
     const Pose X_MH{in->q_MH.toRotationMatrix(), in->p_MH};
     if (!target.coupled) couple(workspace, target, X_MH, forward(arm, q_cmd));
+    Vec6 lag = q_cmd - q_target;
+    lag.segment<2>(1).setZero();
     const ArmNearest nearest =
-        inverse(arm, joints, follow(workspace, target, X_MH, limits), q_target);
+        inverse(arm, joints, follow(workspace, target, X_MH, limits), q_target + lag);
     found = nearest.status;
     if (found == Status::ok)
       q_target = nearest.q;
@@ -111,7 +116,14 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   if (allowed != move) limits |= kLimitSpeed;
   q_cmd = allowed == move ? q_target : Vec6(q_cmd + allowed);
   Vec6 wanted;
-  for (int i = 0; i < 6; ++i) wanted[i] = step(pid[i], state[i], q_cmd[i], robot.q[i]);
+  for (int i = 0; i < 6; ++i) {
+    const double wish = pid[i].kp * (q_cmd[i] - robot.q[i]), step_i = drive_step[i];
+    drive[i] = std::clamp(wish, std::max(drive[i] - step_i, -max_drive[i]),
+                          std::min(drive[i] + step_i, max_drive[i]));
+    const double I = state[i].I, I_lost = state[i].I_lost;
+    wanted[i] = step(pid[i], state[i], q_cmd[i], robot.q[i], drive[i] - wish);
+    if (drive[i] != wish) state[i].I = I, state[i].I_lost = I_lost;
+  }
   if (std::any_of(state.begin(), state.end(), [](const PidState& s) { return s.saturated; }))
     limits |= kLimitSaturated;
   record.tau = limit_joint_torques(tau_max, tau_step, wanted, record.tau, limits);

@@ -35,7 +35,8 @@ struct StraightSlave {
   JointLimits joints;
   WorkspaceConfig workspace;
   Duration stale;
-  Vec6 q_step, tau_max, tau_step;
+  Vec6 q_step, tau_max, tau_step, max_drive, drive_step;
+  Vec6 drive = Vec6::Zero();
   std::array<Pid, 6> pid;
   std::array<PidState, 6> state{};
   WorkspaceState target;

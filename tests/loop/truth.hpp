@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "master/devices.hpp"
+#include "master/master.hpp"
 
 namespace farhand {
 
@@ -32,6 +33,12 @@ inline std::optional<Wrench> true_user(const AnyDevice& device, const Mat3& R_MG
         return {};
       },
       device);
+}
+
+// What a twin delta's motors do to the hand, in handle axes.
+inline Wrench motor_wrench(const MasterTick& t) {
+  const TwinDeltaForward at = forward(kTwinDelta, t.reading.theta);
+  return wrench(jacobian(kTwinDelta, at, t.handle.R_MG), t.tau);
 }
 
 }  // namespace farhand

@@ -206,5 +206,47 @@ TEST(Master, FalconReflectsForceInItsOwnAxes) {
   EXPECT_EQ(t.tau.tail<3>(), Vec3::Zero());
 }
 
+// A Falcon held by position control, its slave pressing with F_E_M.
+MasterConfig cued(double contact) {
+  MasterConfig config;
+  config.handle = FalconHandle{};
+  config.stale = milliseconds(500);
+  config.position_control.emplace();
+  config.position_control->danger_cue = DangerCueConfig{.contact = contact};
+  return config;
+}
+
+TEST(Master, TheCueTakesWhatTheRobotPressesOnForADanger) {
+  Rig rig(cued(10));
+  const Vec3 p(0, 0, 0.12);
+  rig.reading.theta.setZero();
+  rig.reading.theta.head<3>() = motor_angles(kFalconTable1, p).theta1;
+  const auto shift = [&] { return Vec3(rig.tick(300).p_MH_target - p); };
+  EXPECT_LE(shift().norm(), 1e-12);
+  EXPECT_TRUE(rig.sent.force_wanted);
+  rig.answer.F_E_M.force = Vec3(0, 3, -4);
+  EXPECT_LE((shift() - 0.01 * Vec3(0, -0.6, 0.8)).norm(), 1e-12);
+  rig.answer.F_E_M.force *= 10;
+  EXPECT_LE((shift() - 0.02 * Vec3(0, -0.6, 0.8)).norm(), 1e-12);
+  rig.age = milliseconds(60);  // half faded
+  EXPECT_LE((shift() - 0.01 * Vec3(0, -0.6, 0.8)).norm(), 1e-12);
+  rig.age = milliseconds(501);
+  EXPECT_LE(shift().norm(), 1e-12);
+  rig.age = {};
+  EXPECT_GT(shift().norm(), 0.019);
+  rig.connected = false;
+  EXPECT_LE(shift().norm(), 1e-12);
+}
+
+TEST(Master, ACueWithoutContactAsksForNoForceAndHeedsNone) {
+  Rig rig(cued(0));
+  const Vec3 p(0, 0, 0.12);
+  rig.reading.theta.setZero();
+  rig.reading.theta.head<3>() = motor_angles(kFalconTable1, p).theta1;
+  rig.answer.F_E_M.force = Vec3(0, 3, -4);
+  EXPECT_LE((rig.tick(300).p_MH_target - p).norm(), 1e-12);
+  EXPECT_FALSE(rig.sent.force_wanted);
+}
+
 }  // namespace
 }  // namespace farhand

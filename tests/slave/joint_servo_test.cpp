@@ -9,16 +9,19 @@
 namespace farhand {
 namespace {
 
+const Vec6 kSpeed = JointLimits{}.speed;
+
 TEST(JointServo, GravityCompensationCarriesTheArmWithoutAnError) {
   const ArmModel model;
-  JointServo with({.gravity_compensation = true}, model, 0.001), without({}, model, 0.001);
+  JointServo with({.gravity_compensation = true}, model, kSpeed, 0.001),
+      without({}, model, kSpeed, 0.001);
   const Vec6 tau = with.step(kTeleopHome, kTeleopHome);
   EXPECT_NEAR((tau - gravity_torques(make_arm_dynamics(model), kTeleopHome)).norm(), 0, 1e-12);
   EXPECT_EQ(without.step(kTeleopHome, kTeleopHome), Vec6::Zero());
 }
 
 TEST(JointServo, PushesTowardsTheCommandInProportion) {
-  JointServo servo({.integral_per_s = 0}, {}, 0.001);
+  JointServo servo({.integral_per_s = 0}, {}, kSpeed, 0.001);
   servo.step(kTeleopHome, kTeleopHome);
   const Vec6 ahead = kTeleopHome + Vec6::Constant(0.001);
   const Vec6 tau = servo.step(ahead, kTeleopHome);
@@ -29,7 +32,7 @@ TEST(JointServo, PushesTowardsTheCommandInProportion) {
 
 TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
   JointServo servo({.integral_per_s = 0, .velocity_feedforward = VelocityFeedforwardConfig{}}, {},
-                   0.001);
+                   kSpeed, 0.001);
   Vec6 tau;
   for (int k = 0; k < 2000; ++k) {
     const Vec6 q = Vec6::Constant(0.0002 * k);  // a joint exactly on a command that moves steadily
@@ -41,7 +44,7 @@ TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
 TEST(JointServo, FrictionCompensationFollowsTheCommandedDirection) {
   const ArmModel model;
   JointServo servo({.integral_per_s = 0, .friction_compensation = FrictionCompensationConfig{}},
-                   model, 0.001);
+                   model, kSpeed, 0.001);
   const JointServoConfig config;
   Vec6 tau;
   for (int k = 0; k < 2000; ++k) {
@@ -59,12 +62,37 @@ TEST(JointServo, FrictionCompensationFollowsTheCommandedDirection) {
 
 TEST(JointServo, NeverExceedsTheModelsTorqueLimits) {
   const ArmModel model;
-  JointServo servo({.gravity_compensation = true}, model, 0.001);
-  const Vec6 tau = servo.step(kTeleopHome + Vec6::Constant(2), kTeleopHome);
+  JointServo servo({.gravity_compensation = true}, model, kSpeed, 0.001);
+  Vec6 tau;
+  for (int k = 0; k < 50; ++k) tau = servo.step(kTeleopHome + Vec6::Constant(2), kTeleopHome);
   for (int i = 0; i < 6; ++i) EXPECT_LE(std::abs(tau[i]), model.links[i].torque_limit);
   EXPECT_TRUE(servo.saturated());
   servo.reset();
   EXPECT_FALSE(servo.saturated());
+}
+
+// A joint of nominal inertia whose command turns round at full speed again and again.
+TEST(JointServo, ACommandThatTurnsRoundAtFullSpeedDoesNotThrowTheJointBeyondIt) {
+  constexpr double Ts = 0.001;
+  for (const bool fed : {false, true}) {
+    JointServoConfig config;
+    if (fed) config.velocity_feedforward = VelocityFeedforwardConfig{};
+    const double J = config.inertia[3], speed = kSpeed[3];
+    JointServo servo(config, {}, kSpeed, Ts);
+    Vec6 q_cmd = Vec6::Zero(), q = Vec6::Zero();
+    double dq = 0, fastest = 0;
+    servo.step(q_cmd, q);
+    for (int k = 0; k < 3000; ++k) {
+      q_cmd[3] += (k % 300 < 150 ? speed : -speed) * Ts;
+      dq += Ts * servo.step(q_cmd, q)[3] / J;
+      q[3] += Ts * dq;
+      fastest = std::max(fastest, std::abs(dq));
+    }
+    std::printf("to and fro, velocity feed-forward %d: at most %.3f of the speed limit\n", fed,
+                fastest / speed);
+    EXPECT_LE(fastest, 1.05 * speed);  // without feed-forward the integral adds
+    EXPECT_GT(fastest, 0.5 * speed);
+  }
 }
 
 TEST(JointServo, ItsPredictedErrorIsThatOfASimulatedJoint) {

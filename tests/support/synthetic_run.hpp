@@ -19,6 +19,8 @@ struct SyntheticRun {
   double tracking_free_m = 1e-3, tracking_contact_m = 2e-3;
   double force_error_free_n = 0.5, force_error_contact_n = 1.5;
   double contact_n = 4;  // along z of S, -x of G
+  bool user_estimated = false;
+  double coupling_n = 0, boundary_n = 0;  // 0: not recorded
 
   bool touching(std::int64_t tick) const { return tick >= ticks / 2; }
   std::int64_t master_time(std::int64_t tick) const { return start_ns + tick * 1'000'000; }
@@ -67,6 +69,8 @@ inline record::MasterRecord master_record(const SyntheticRun& run, std::int64_t 
   synthetic::set3(r.mutable_environment_torque_g_nm(), 0, 0, 0);
   synthetic::set3(r.mutable_user_force_g_n(), -f, error, 0);
   synthetic::set3(r.mutable_user_torque_g_nm(), 0, 0.01, 0);
+  r.set_user_estimated(run.user_estimated);
+  if (run.coupling_n > 0) synthetic::set3(r.mutable_coupling_force_g_n(), 0, run.coupling_n, 0);
   synthetic::set3(r.mutable_force_g_n(), f, 0, 0);
   synthetic::set3(r.mutable_torque_g_nm(), 0, 0, 0);
   r.set_age_s(0.0003f);
@@ -94,6 +98,7 @@ inline record::SlaveRecord slave_record(const SyntheticRun& run, std::int64_t ti
   synthetic::set3(r.mutable_robot_angular_velocity_s_rad_per_s(), 0, 0, 0);
   synthetic::set3(r.mutable_contact_force_s_n(), 0, 0, run.touching(tick) ? run.contact_n : 0);
   synthetic::set3(r.mutable_contact_torque_s_nm(), 0, 0, 0);
+  if (run.boundary_n > 0) synthetic::set3(r.mutable_boundary_force_s_n(), run.boundary_n, 0, 0);
   for (int i = 0; i < 6; ++i) {
     r.add_q_rad(0.2 * i + 0.1 * std::sin(3 * t + i));
     r.add_q_command_rad(static_cast<float>(0.2 * i + 0.1 * std::sin(3 * t + i + 0.05)));
