@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "tests/loop/experiments/our_loop.hpp"
+#include "tests/loop/experiments/full_scene.hpp"
 #include "tests/loop/stability/simulated.hpp"
 
 namespace farhand {
