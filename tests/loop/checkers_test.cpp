@@ -69,7 +69,7 @@ TEST_F(CheckersTest, RefuseTorquesAndForcesBeyondTheirLimitsAndSlews) {
   m.tau[0] += 1;
   EXPECT_NE(verdict(master_, m), "");
   m = idle(master_);
-  m.F_G.force.x() += 0.6;
+  m.F_G.force.x() += 2.1;
   EXPECT_NE(verdict(master_, m), "");
   SlaveTick s = idle(slave_);
   s.tau[0] += 4;
@@ -92,7 +92,7 @@ class PositionCheckersTest : public CheckersTest {
 TEST_F(PositionCheckersTest, RefuseForcesBeyondTheCapAndJumpsOfTheForce) {
   EXPECT_EQ(verdict(master_, idle(master_)), "");
   MasterTick m = idle(master_);
-  m.F_G.force.x() += 0.6;
+  m.F_G.force.x() += 2.1;
   EXPECT_EQ(verdict(master_, m).substr(0, 10), "force step");
   m = idle(master_);
   m.F_G.force.x() = 8.1;
