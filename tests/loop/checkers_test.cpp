@@ -3,14 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/scene_edits.hpp"
+
 namespace farhand {
 namespace {
 
 class CheckersTest : public ::testing::Test {
  protected:
   explicit CheckersTest(const std::string& scene = "full")
-      : loop_(load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + scene + ".textproto"),
-              {.duration_s = 1}) {
+      : loop_(shipped(scene), {.duration_s = 1}) {
     loop_.on_master = [this](const MasterTick& t) { master_ = t; };
     loop_.on_slave = [this](const SlaveTick& t) { slave_ = t; };
     loop_.run();

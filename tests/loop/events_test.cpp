@@ -8,6 +8,7 @@
 #include "tests/loop/checkers.hpp"
 #include "tests/loop/loopback.hpp"
 #include "tests/loop/truth.hpp"
+#include "tests/support/scene_edits.hpp"
 
 namespace farhand {
 namespace {
@@ -16,28 +17,6 @@ constexpr double kJumpPerMs = 0.5;  // [N]
 constexpr int kReleaseTicks = 20;   // torque_rise_time_s, in which motors let go
 constexpr int kEventTicks = 200;    // in which a coupling must not jerk
 constexpr double kRounding = 1e-6;  // relative: from torques back to a wrench
-
-Scene shipped(const std::string& name) {
-  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
-}
-
-proto::Operator& hand(Scene& scene) {
-  return *scene.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
-}
-
-void press(proto::Operator& o, proto::Press::Button button, double at, double lasting) {
-  proto::Press& p = *o.add_press();
-  p.set_button(button);
-  p.set_at_s(at);
-  p.set_lasting_s(lasting);
-}
-
-void reach(proto::Motion& m, double at, double lasting, const Vec3& by) {
-  proto::Reach& r = *m.add_reach();
-  r.set_at_s(at);
-  r.set_lasting_s(lasting);
-  for (const double x : by) r.add_by_m(x);
-}
 
 struct Events {
   int engaged = 0, clutched = 0, held_by_link = 0, sensor_lost = 0, not_read = 0, touched = 0;
@@ -83,12 +62,6 @@ Coupling coupling(const MasterTick& t) {
           .late = (t.limits & kLimitStale) != 0,
           .sensed = t.reading.has_force,
           .read = t.reading.ok};
-}
-
-bool rises(bool now, bool& before) {
-  const bool rose = now && !before;
-  before = now;
-  return rose;
 }
 
 // `spoil` may change a reading of this time [s].

@@ -4,6 +4,7 @@
 
 #include "tests/loop/run.hpp"
 #include "tests/loop/truth.hpp"
+#include "tests/support/scene_edits.hpp"
 
 namespace farhand {
 namespace {
@@ -11,40 +12,12 @@ namespace {
 constexpr double kJumpPerMs = 0.5;  // [N]
 constexpr int kReleaseTicks = 20;
 
-Scene shipped(const std::string& name) {
-  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
-}
-
-void press(proto::Operator& o, proto::Press::Button button, double at, double lasting) {
-  proto::Press& p = *o.add_press();
-  p.set_button(button);
-  p.set_at_s(at);
-  p.set_lasting_s(lasting);
-}
-
-void reach(proto::Motion& m, double at, double lasting, const Vec3& by) {
-  proto::Reach& r = *m.add_reach();
-  r.set_at_s(at);
-  r.set_lasting_s(lasting);
-  for (const double x : by) r.add_by_m(x);
-}
-
-proto::Operator& hand(Scene& scene) {
-  return *scene.proto.mutable_master()->mutable_sim_hand()->mutable_operator_();
-}
-
 struct Events {
   int engaged = 0, clutched = 0, held_by_link = 0, recovered = 0;  // each time it came to be
   int fixture = 0, boundary = 0, handle_limits = 0, left_acceptance = 0;
   double largest_jump = 0;  // [N] from one tick to the next
   double strongest = 0;     // [N]
 };
-
-bool rises(bool now, bool& before) {
-  const bool rose = now && !before;
-  before = now;
-  return rose;
-}
 
 Events watch(const Scene& scene, std::uint64_t seed) {
   Loopback loop(scene, {.seed = seed});

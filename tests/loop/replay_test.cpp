@@ -7,14 +7,11 @@
 #include "common/mcap_reader.hpp"
 #include "proto/record.pb.h"
 #include "tests/loop/run.hpp"
+#include "tests/support/scene_edits.hpp"
 #include "tests/support/temporary_file.hpp"
 
 namespace farhand {
 namespace {
-
-Scene shipped(const std::string& name) {
-  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
-}
 
 RunResult recorded(const Scene& scene, const LoopbackOptions& options, const std::string& path) {
   RecordingFile file(path, scene, about_loopback(scene, options, {}));

@@ -9,6 +9,7 @@
 
 #include "slave/joint_servo.hpp"
 #include "tests/loop/run.hpp"
+#include "tests/support/scene_edits.hpp"
 
 namespace farhand {
 namespace {
@@ -23,10 +24,6 @@ constexpr std::uint64_t kSeeds = 10;
 constexpr double kTraceSeconds = 70;
 constexpr std::optional<double> kSceneSeconds{};  // their own
 #endif
-
-Scene shipped(const std::string& name) {
-  return load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
-}
 
 std::vector<std::filesystem::path> shipped_scenes() {
   std::vector<std::filesystem::path> out;

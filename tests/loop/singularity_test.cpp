@@ -7,6 +7,7 @@
 
 #include "tests/loop/checkers.hpp"
 #include "tests/loop/loopback.hpp"
+#include "tests/support/scene_edits.hpp"
 
 namespace farhand {
 namespace {
@@ -87,7 +88,7 @@ double measure(const ArmSingularity& s, Met met) {
 }
 
 Scene scene_of(const std::string& name, const Vec6& q_start, bool boundary) {
-  Scene scene = load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + name + ".textproto");
+  Scene scene = shipped(name);
   auto& arm = *scene.proto.mutable_slave()->mutable_sim_arm();
   arm.clear_surface();
   arm.set_encoder_step_rad(0);  // so that the arm starts where it is told

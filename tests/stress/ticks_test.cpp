@@ -17,6 +17,7 @@
 #include "common/scene.hpp"
 #include "master/build.hpp"
 #include "slave/build.hpp"
+#include "tests/support/scene_edits.hpp"
 #include "tests/support/stress.hpp"
 
 namespace farhand {
@@ -245,8 +246,7 @@ class Bench {
 class StressedTicks : public testing::TestWithParam<const char*> {};
 
 TEST_P(StressedTicks, StayFiniteWithinLimitsAndLegal) {
-  const Scene scene =
-      load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/" + std::string(GetParam()) + ".textproto");
+  const Scene scene = shipped(GetParam());
   constexpr std::uint64_t kSeed = 5;
   const std::uint64_t ticks = stress_ticks(100'000);
   Bench bench(scene, kSeed);
