@@ -6,15 +6,15 @@
 namespace farhand {
 namespace {
 
-constexpr double kSwitchTime = 0.1;  // [s] between open and closed loop
-constexpr double kSwitching = 0.2;   // [s] of slower changes after something came or went
-constexpr double kRounding = 1e-9;   // relative, of a wrench through the motors' map and back
+constexpr double kSwitchTime = 0.1;    // [s] between open and closed loop
+constexpr double kSwitching = 0.2;     // [s] of slower changes after something came or went
+constexpr double kMapRounding = 1e-9;  // relative, of a wrench through the motors' map and back
 
 double size2(const Wrench& F) noexcept {
   return F.force.squaredNorm() + F.torque.squaredNorm();
 }
 bool missing_something(const Wrench& missing, const Wrench& wanted) noexcept {
-  return size2(missing) > kRounding * kRounding * (1 + size2(wanted));
+  return size2(missing) > kMapRounding * kMapRounding * (1 + size2(wanted));
 }
 
 }  // namespace

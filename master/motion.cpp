@@ -8,7 +8,7 @@
 namespace farhand {
 namespace {
 
-constexpr double kRounding = 0.1;    // [s] each side of the corner of min(1, t)
+constexpr double kCorner = 0.1;      // [s] each side of the corner of min(1, t)
 constexpr double kFade = 1;          // [s]
 constexpr double kLeastShare = 0.1;  // of a limit, left for a trace
 
@@ -20,10 +20,10 @@ Vec6 offset(const Reach& r) noexcept {
 }
 
 Progress fade_in(double t) noexcept {
-  if (t <= 1 - kRounding) return {t, 1};
-  if (t >= 1 + kRounding) return {1, 0};
-  const double rest = 1 + kRounding - t;
-  return {1 - rest * rest / (4 * kRounding), rest / (2 * kRounding)};
+  if (t <= 1 - kCorner) return {t, 1};
+  if (t >= 1 + kCorner) return {1, 0};
+  const double rest = 1 + kCorner - t;
+  return {1 - rest * rest / (4 * kCorner), rest / (2 * kCorner)};
 }
 
 Progress fade_out(double left) noexcept {
@@ -56,7 +56,7 @@ struct Span {
 // 1.5) stays below w when w^2 >= 6; when the fades overlap their slopes simply add.
 double peak_rate(const Sine& s) noexcept {
   const double w = 2 * std::numbers::pi * s.frequency;
-  if (s.until - s.from < 1 + kRounding + kFade) return w + 2.5;
+  if (s.until - s.from < 1 + kCorner + kFade) return w + 2.5;
   return w * w >= 6 ? w : std::hypot(w, 1.5);
 }
 

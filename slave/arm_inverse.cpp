@@ -117,12 +117,12 @@ struct Direction {
 };
 
 // Upper arm and forearm with the elbow on the sides `elbow`, a sign in either lane.
-struct Plane {
+struct ArmPlane {
   Direction j2;
   Lanes c23, s23;
 };
-Plane plane(const ArmGeometry& g, const WristCentre& w, double r, Lanes elbow,
-            double q2_previous) noexcept {
+ArmPlane plane(const ArmGeometry& g, const WristCentre& w, double r, Lanes elbow,
+               double q2_previous) noexcept {
   const double s3 = w.sin_q3, A = g.a2 + g.d4 * s3;
   const Lanes c3 = w.cos_q3 * elbow, B = g.d4 * c3;
   Lanes x = r * A - w.z * B, y = w.z * A + r * B;
@@ -141,7 +141,7 @@ struct WristDirections {
   Direction j4, j5, j6;
   Lanes h;  // 0: axes 4 and 6 in line
 };
-WristDirections wrist_directions(const Mat3& R, const Shoulder& a, const Plane& b,
+WristDirections wrist_directions(const Mat3& R, const Shoulder& a, const ArmPlane& b,
                                  double q4_previous) noexcept {
   const Vec3 radial = a.c1 * R.row(0) + a.s1 * R.row(1);
   const Vec3 Q2 = a.s1 * R.row(0) - a.c1 * R.row(1);
@@ -218,7 +218,7 @@ ArmInverse inverse_all(const ArmGeometry& g, const Pose& X_SE, const Vec6& q_pre
   ArmInverse out{.status = w.status, .miss = w.miss};
   if (w.status != Status::ok) return out;
   const Shoulder front = shoulder(w, 1, q_previous[0]);
-  const Plane p = plane(g, w, front.r, Lanes{1, -1}, q_previous[1]);
+  const ArmPlane p = plane(g, w, front.r, Lanes{1, -1}, q_previous[1]);
   const WristDirections k = wrist_directions(X_SE.R, front, p, q_previous[3]);
   const Lanes q13 = atan2(Lanes{front.y, w.sin_q3}, Lanes{front.x, w.cos_q3});
   const Lanes q2 = atan2(p.j2.y, p.j2.x), q4 = atan2(k.j4.y, k.j4.x);
@@ -255,7 +255,7 @@ ArmNearest inverse(const ArmGeometry& g, const JointLimits& limits, const Pose& 
 
   const ArmSide side = side_of(g, w, q_previous);
   const Shoulder a = shoulder(w, side.shoulder, q_previous[0]);
-  const Plane p = plane(g, w, a.r, lanes(side.elbow), q_previous[1]);
+  const ArmPlane p = plane(g, w, a.r, lanes(side.elbow), q_previous[1]);
   const WristDirections d = wrist_directions(X_SE.R, a, p, q_previous[3]);
   const Lanes q13 = atan2(Lanes{a.y, w.sin_q3}, Lanes{a.x, side.elbow * w.cos_q3});
   const Lanes q24 = atan2(Lanes{p.j2.y[0], d.j4.y[0]}, Lanes{p.j2.x[0], d.j4.x[0]});

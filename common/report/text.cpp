@@ -9,7 +9,7 @@ namespace farhand {
 namespace {
 
 constexpr std::string_view kMinus = "\u2212";
-constexpr std::string_view kNone = "\u2013";
+constexpr std::string_view kNoValue = "\u2013";
 
 std::string with_minus(std::string digits) {
   if (digits.empty() || digits.front() != '-') return digits;
@@ -47,7 +47,7 @@ std::string escape(std::string_view text) {
 }
 
 std::string fixed(double x, int decimals) {
-  if (!std::isfinite(x)) return std::string(kNone);
+  if (!std::isfinite(x)) return std::string(kNoValue);
   return with_minus(fmt::format("{:.{}f}", x, std::max(decimals, 0)));
 }
 
