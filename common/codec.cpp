@@ -14,8 +14,13 @@ constexpr std::size_t kLongestMessageBytes =
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
-static_assert(static_cast<int>(Mode::idle) == proto::MODE_IDLE &&
-              static_cast<int>(Mode::holding) == proto::Mode_MAX);
+static_assert(static_cast<int>(Mode::disconnected) == proto::MODE_DISCONNECTED &&
+              static_cast<int>(Mode::holding) == proto::MODE_HOLDING &&
+              static_cast<int>(Mode::stopped) == proto::Mode_MAX &&
+              proto::Mode_ARRAYSIZE == kModes);
+static_assert(static_cast<int>(Reason::silent) == proto::REASON_SILENT &&
+              static_cast<int>(Reason::stop_asked) == proto::Reason_MAX &&
+              proto::Reason_ARRAYSIZE == kReasons);
 static_assert(static_cast<int>(Role::master) == proto::ROLE_MASTER &&
               static_cast<int>(Role::slave) == proto::Role_MAX);
 
@@ -46,7 +51,10 @@ bool get_if(bool present, const Doubles& from, Column& to) {
 }
 
 bool in_range(Mode m) noexcept {
-  return m <= Mode::holding;
+  return m <= Mode::stopped;
+}
+bool in_range(Reason r) noexcept {
+  return r <= Reason::stop_asked;
 }
 bool is_rotation(const Quat& q) noexcept {
   return std::abs(q.norm() - 1) <= kQuaternionTolerance;  // false for NaN
@@ -98,6 +106,7 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   put(from.V_MH.angular, to.mutable_angular_velocity_handle_in_master_rad_per_s());
   put(from.V_MH.linear, to.mutable_velocity_handle_in_master_m_per_s());
   to.set_mode(static_cast<proto::Mode>(from.mode));
+  to.set_reason(static_cast<proto::Reason>(from.reason));
   to.set_dead_man(from.dead_man);
   to.set_clutch(from.clutch);
   to.set_force_wanted(from.force_wanted);
@@ -118,6 +127,7 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
     return false;
   to.q_MH = Quat(q[0], q[1], q[2], q[3]);
   to.mode = static_cast<Mode>(from.mode());
+  to.reason = static_cast<Reason>(from.reason());
   to.dead_man = from.dead_man();
   to.clutch = from.clutch();
   to.force_wanted = from.force_wanted();
@@ -138,11 +148,11 @@ void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
   put(from.F_E_M.force, to.mutable_force_on_environment_in_master_newton());
   put(from.F_E_M.torque, to.mutable_torque_on_environment_in_master_newton_m());
   to.set_mode(static_cast<proto::Mode>(from.mode));
+  to.set_reason(static_cast<proto::Reason>(from.reason));
   to.set_coupled(from.coupled);
   to.set_limits(from.limits);
   to.set_dead_man_presses_seen(from.dead_man_presses_seen);
   to.set_clutch_presses_seen(from.clutch_presses_seen);
-  to.set_stops(from.stops);
   to.set_energy_in_joule(from.energy_in);
   to.set_energy_out_joule(from.energy_out);
   put_if(from.has_robot, from.p_MR, to.mutable_position_robot_in_master_m());
@@ -175,11 +185,11 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
     return false;
   to.q_SE = Quat(q[0], q[1], q[2], q[3]);
   to.mode = static_cast<Mode>(from.mode());
+  to.reason = static_cast<Reason>(from.reason());
   to.coupled = from.coupled();
   to.limits = from.limits();
   to.dead_man_presses_seen = from.dead_man_presses_seen();
   to.clutch_presses_seen = from.clutch_presses_seen();
-  to.stops = from.stops();
   to.energy_in = from.energy_in_joule();
   to.energy_out = from.energy_out_joule();
   return get_robot(from, to);
@@ -235,13 +245,14 @@ Verdict decode_with(PayloadType type, std::span<const std::byte> payload, Proto&
 
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
-         std::isfinite(m.energy_in) && std::isfinite(m.energy_out) && finite(m.F_user_M);
+         in_range(m.reason) && std::isfinite(m.energy_in) && std::isfinite(m.energy_out) &&
+         finite(m.F_user_M);
 }
 
 bool valid(const SlaveToMaster& m) noexcept {
   return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && finite(m.F_E_M) &&
-         in_range(m.mode) && std::isfinite(m.energy_in) && std::isfinite(m.energy_out) &&
-         m.p_MR.allFinite() && is_rotation(m.q_MR) && finite(m.V_MR);
+         in_range(m.mode) && in_range(m.reason) && std::isfinite(m.energy_in) &&
+         std::isfinite(m.energy_out) && m.p_MR.allFinite() && is_rotation(m.q_MR) && finite(m.V_MR);
 }
 
 bool valid(const Header& h) noexcept {

@@ -6,17 +6,21 @@
 
 namespace farhand {
 
-void LoopWatch::add(Mode mode, const LoopTiming& timing, const LinkStatus& link) {
+void LoopWatch::add(Mode mode, Reason reason, const LoopTiming& timing, const LinkStatus& link) {
   report_.add(timing, link);
   if (link.refusal.reason != told_) {
     told_ = link.refusal.reason;
     if (const auto sentence = refusal_sentence(link.refusal, scene_hash_); !sentence.empty())
       spdlog::error("{}", sentence);
   }
-  if (mode == mode_) return;
+  if (mode == mode_ && reason == reason_) return;
   line_.end();
-  spdlog::info("{} -> {}", to_string(mode_), to_string(mode));
+  const auto level = mode == Mode::fault ? spdlog::level::err : spdlog::level::info;
+  const char* why = to_string(reason);
+  const std::string from = mode == mode_ ? "" : fmt::format("{} -> ", to_string(mode_));
+  spdlog::log(level, "{}{}{}{}", from, to_string(mode), *why != 0 ? ": " : "", why);
   mode_ = mode;
+  reason_ = reason;
 }
 
 std::string LoopWatch::end(std::uint64_t records_lost) {

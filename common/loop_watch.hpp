@@ -14,7 +14,7 @@ class LoopWatch {
  public:
   LoopWatch(std::uint64_t scene_hash, bool quiet) : scene_hash_(scene_hash), line_(quiet) {}
 
-  void add(Mode mode, const LoopTiming& timing, const LinkStatus& link);
+  void add(Mode mode, Reason reason, const LoopTiming& timing, const LinkStatus& link);
   // Once a second `make` builds the live line.
   template <typename MakeLine>
   void live(TimePoint now, MakeLine&& make) {
@@ -28,7 +28,8 @@ class LoopWatch {
   std::uint64_t scene_hash_;
   StatusLine line_;
   LoopReport report_;
-  Mode mode_ = Mode::idle;
+  Mode mode_ = Mode::disconnected;
+  Reason reason_ = Reason::no_partner;
   PeerRefusal::Reason told_ = PeerRefusal::Reason::none;
 };
 

@@ -11,6 +11,7 @@ struct Peer {
   const Message* newest = nullptr;  // nullptr: none since the connection began
   bool connected = false;           // heard within link.lost_ms
   Duration age = Duration::max();   // since the newest arrived, on our clock
+  bool synced = false;              // its clock is known, and so how long a message takes
 };
 
 // As the link sees it at `now`; silence beyond `lost` ends the connection. `link` is a Link<Out,
@@ -20,7 +21,10 @@ Peer<Message> peer(const AnyLink& link, TimePoint now, Duration lost) noexcept {
   const auto* newest = link.newest();
   if (newest == nullptr) return {};
   const Duration age = now - newest->received;
-  return {.newest = &newest->message, .connected = age <= lost, .age = age};
+  return {.newest = &newest->message,
+          .connected = age <= lost,
+          .age = age,
+          .synced = newest->transit_known};
 }
 
 }  // namespace farhand

@@ -6,10 +6,11 @@
 
 namespace farhand {
 
-std::string mode_row(std::uint64_t ticks, const std::array<std::uint64_t, 4>& ticks_in_mode) {
+std::string mode_row(std::uint64_t ticks, const std::array<std::uint64_t, kModes>& ticks_in_mode) {
   std::string out = fmt::format("  ticks {}", ticks);
   for (std::size_t m = 0; m < ticks_in_mode.size(); ++m)
-    out += fmt::format(", {} {}", to_string(static_cast<Mode>(m)), ticks_in_mode[m]);
+    if (ticks_in_mode[m] > 0)
+      out += fmt::format(", {} {}", to_string(static_cast<Mode>(m)), ticks_in_mode[m]);
   return out + "\n";
 }
 

@@ -6,10 +6,11 @@
 #include <string>
 
 #include "common/limit_counts.hpp"
+#include "common/mode.hpp"
 
 namespace farhand {
 
-std::string mode_row(std::uint64_t ticks, const std::array<std::uint64_t, 4>& ticks_in_mode);
+std::string mode_row(std::uint64_t ticks, const std::array<std::uint64_t, kModes>& ticks_in_mode);
 std::string limit_row(const LimitCounts& limits);
 std::string lost_records_row(std::uint64_t lost);  // empty when none is lost
 

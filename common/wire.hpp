@@ -12,7 +12,7 @@
 namespace farhand {
 
 inline constexpr std::uint32_t kProtocolVersion =
-    2;                                               // changes with any byte below or in wire.proto
+    3;                                               // changes with any byte below or in wire.proto
 inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian like every number
 inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
 inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
@@ -22,8 +22,8 @@ inline constexpr std::size_t kMaxPayloadBytes =
 
 // Payload sizes, type byte included. A payload of another size is refused.
 inline constexpr std::size_t kHelloBytes = 31;
-inline constexpr std::size_t kMasterToSlaveBytes = 214;
-inline constexpr std::size_t kSlaveToMasterBytes = 272;
+inline constexpr std::size_t kMasterToSlaveBytes = 217;
+inline constexpr std::size_t kSlaveToMasterBytes = 269;
 // More with what only some bilateral architectures send.
 inline constexpr std::size_t kUserWrenchBytes = 52;
 inline constexpr std::size_t kRobotBytes = 116;
@@ -64,7 +64,8 @@ struct MasterToSlave {
   Vec3 p_MH = Vec3::Zero();      // [m]
   Quat q_MH = Quat::Identity();  // unit to kQuaternionTolerance
   Twist V_MH;                    // of H relative to M, at H, M axes
-  Mode mode = Mode::idle;
+  Mode mode = Mode::disconnected;
+  Reason reason = Reason::no_partner;  // for the mode
   bool dead_man = false;               // held right now
   bool clutch = false;                 // held right now
   bool force_wanted = false;           // send me the wrench
@@ -81,13 +82,13 @@ struct SlaveToMaster {
   Quat q_SE = Quat::Identity();  // unit to kQuaternionTolerance
   Twist V_SE;                    // of E relative to S, at E, S axes
   Wrench F_E_M;                  // robot on environment at E, mapped into M axes and scaled
-  Mode mode = Mode::idle;
-  bool coupled = false;      // the robot follows the handle right now
-  std::uint32_t limits = 0;  // bit set: what holds the robot back (common/limits.hpp)
+  Mode mode = Mode::disconnected;
+  Reason reason = Reason::no_partner;  // for the mode
+  bool coupled = false;                // the robot follows the handle right now
+  std::uint32_t limits = 0;            // bit set: what holds the robot back (common/limits.hpp)
   std::uint32_t dead_man_presses_seen = 0;  // counts acted upon: the receipt for the master's edges
   std::uint32_t clutch_presses_seen = 0;
-  std::uint32_t stops = 0;  // times the slave stopped by itself since the session began
-  double energy_in = 0;     // [J] as above, at the slave's port
+  double energy_in = 0;  // [J] as above, at the slave's port
   double energy_out = 0;
   bool has_robot = false;
   // The robot as a handle: the pose and velocity of H that mean where the tool is.

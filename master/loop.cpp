@@ -22,7 +22,7 @@ void MasterLoop::run(Duration limit) noexcept {
   if (config_.park > Duration::zero()) park();
 
   // The slave holds, and the force fades by its slew limit.
-  stopping_ = true;
+  master_.stop();
   constexpr Duration kGoodbye = std::chrono::milliseconds(100);
   for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
   write(device_, monotonic_now(), Vec6::Zero());
@@ -52,8 +52,6 @@ void MasterLoop::turn() noexcept {
 
   HandleReading reading = read(device_, begin);
   reading.clutch |= parking_;
-  if (stopping_)
-    reading.ok = false;  // as a device that is gone: every force fades, whatever made it
   const TimePoint sampled = monotonic_now();
   const MasterToSlave& message = master_.sample(begin, reading, slave(begin));
   const TimePoint sent = monotonic_now();

@@ -59,7 +59,6 @@ class MasterLoop {
   Recorder<MasterRecord>& recorder_;
   OverrunSplit split_;
   bool parking_ = false;
-  bool stopping_ = false;
   TimePoint next_{};
   std::uint64_t sent_sequence_ = 0;
   MasterRecord* record_ = nullptr;  // this turn's, in the recorder's queue

@@ -25,21 +25,22 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   tick_.reading = reading;
   tick_.limits = kLimitNone;
   if (reading.ok) update(handle_, reading.theta, tick_.handle);
-  if (maps_forces_) sense_force();
   decide_mode(slave);
+  if (maps_forces_) sense_force();
   count_presses();
   MasterToSlave& out = tick_.out;
   out.p_MH = tick_.handle.X_MH.p;
   out.q_MH = to_quat(tick_.handle.X_MH.R);
   out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
+  out.reason = tick_.reason;
   out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
   if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
 }
 
 void Master::sense_force() noexcept {
-  const bool read = tick_.reading.ok && tick_.handle.status == Status::ok;
+  const bool read = usable();
   forces_ = read ? map_forces(handle_, tick_.handle) : Status::not_finite;
   tick_.user_felt = force_sensing_ && read && tick_.reading.has_force;
   if (!tick_.user_felt) return;
@@ -48,14 +49,37 @@ void Master::sense_force() noexcept {
   tick_.F_user_G = force_sensing_->step(tick_.reading.ends, J);
 }
 
+namespace {
+
+Equipment equipment(bool reads, Status kinematics) noexcept {
+  if (!reads) return Equipment::silent;
+  if (kinematics == Status::ok) return Equipment::ok;
+  return kinematics == Status::not_finite ? Equipment::implausible : Equipment::outside;
+}
+
+}  // namespace
+
 void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
-  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::idle;
-  tick_.mode =
-      next_mode(tick_.mode, {.equipment_ok = tick_.reading.ok && tick_.handle.status == Status::ok,
-                             .connected = slave.connected && slave.newest != nullptr,
-                             .fresh = slave.age <= config_.stale,
-                             .partner_able = other == Mode::ready || other == Mode::engaged,
-                             .dead_man = tick_.reading.dead_man});
+  const HandleReading& reading = tick_.reading;
+  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::disconnected;
+  state_ = next_mode(state_,
+                     {.equipment = equipment(reading.ok, tick_.handle.status),
+                      .connected = slave.connected && slave.newest != nullptr,
+                      .synced = slave.synced,
+                      .fresh = slave.age <= config_.stale,
+                      .partner = partner(other),
+                      .dead_man = reading.dead_man,
+                      .reset = reading.clutch && !tick_.out.clutch && !reading.dead_man,
+                      .stop = stop_},
+                     tick_.now);
+  tick_.mode = state_.mode;
+  tick_.reason = state_.reason;
+}
+
+// The handle is known, and forces may be made on it.
+bool Master::usable() const noexcept {
+  return tick_.reading.ok && tick_.handle.status == Status::ok && tick_.mode != Mode::fault &&
+         tick_.mode != Mode::stopped;
 }
 
 // Edges are counted so that the slave can tell a new press from one it missed the release of.
@@ -72,6 +96,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   tick_.age = slave.age;
   if (slave.newest != nullptr) {
     tick_.slave_mode = slave.newest->mode;
+    tick_.slave_reason = slave.newest->reason;
     tick_.coupled = slave.newest->coupled;
   }
   if (!force_ && !position_) return tick_;
@@ -80,7 +105,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   tick_.F_G = position_ ? drive_to_target(now, danger_M + pressed_on(slave)) : wanted_wrench(slave);
   if (forces_ == Status::ok) {
     tau = torque(handle_, tick_.F_G);
-  } else if (tick_.reading.ok && tick_.handle.status == Status::ok) {
+  } else if (usable()) {
     tick_.limits |= kLimitAcceptance;
     if (force_) force_->let_go();
     if (position_) position_->let_go();
@@ -115,7 +140,7 @@ Vec3 Master::pressed_on(const Peer<SlaveToMaster>& slave) const noexcept {
 
 Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
   Wrench F;
-  if (tick_.handle.status == Status::ok)
+  if (usable())
     F.force = position_->step(now,
                               {.p_MH = tick_.handle.X_MH.p,
                                .v_MH = tick_.out.V_MH.linear,
@@ -137,11 +162,10 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   tick_.F_env_G = felt ? environment(*slave.newest, share) : Wrench{};
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
-  const bool measured = tick_.reading.ok && tick_.handle.status == Status::ok;
   const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,
                                    .felt = share == 1,
                                    .F_user_G = tick_.user_felt ? &tick_.F_user_G : nullptr,
-                                   .handle = measured ? &tick_.handle : nullptr,
+                                   .handle = usable() ? &tick_.handle : nullptr,
                                    .F_given_G = F_given_G_,
                                    .engaged = tick_.mode == Mode::engaged},
                                   tick_.limits);

@@ -52,16 +52,18 @@ struct MasterTick {
   bool user_felt = false;       // F_user_G is this tick's, from the sensors
   bool user_estimated = false;  // F_user_G is the estimate of a handle without sensors
   Wrench F_user_G;              // user on handle in handle axes, bias and the grip's weight removed
-  Mode mode = Mode::idle;
+  Mode mode = Mode::disconnected;
+  Reason reason = Reason::no_partner;
   MasterToSlave out;
-  Duration age = Duration::max();  // of the slave's message acted upon; max before the first
-  Mode slave_mode = Mode::idle;    // as that message says, and
-  bool coupled = false;            // whether the robot follows the handle
-  Wrench F_env_G;                  // robot on environment in handle axes, as compensated;
-                                   // guidance against it
-  Wrench F_coupling_G;             // the share of the coupling to the robot's pose in it
-  Wrench F_G;                      // commanded: handle on hand
-  Vec6 tau = Vec6::Zero();         // written to the device [N m]
+  Duration age = Duration::max();        // of the slave's message acted upon; max before the first
+  Mode slave_mode = Mode::disconnected;  // as that message says, and
+  Reason slave_reason = Reason::no_partner;
+  bool coupled = false;     // whether the robot follows the handle
+  Wrench F_env_G;           // robot on environment in handle axes, as compensated;
+                            // guidance against it
+  Wrench F_coupling_G;      // the share of the coupling to the robot's pose in it
+  Wrench F_G;               // commanded: handle on hand
+  Vec6 tau = Vec6::Zero();  // written to the device [N m]
   bool position_controlled = false;
   Vec3 p_MH_target = Vec3::Zero();  // of position control
   LimitSet limits = kLimitNone;
@@ -84,10 +86,14 @@ class Master {
   const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
                             const Vec3& danger_M = Vec3::Zero()) noexcept;
 
+  // From the next sample on STOPPED, and every force lets go.
+  void stop() noexcept { stop_ = true; }
+
   const MasterConfig& config() const noexcept { return config_; }
 
  private:
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
+  bool usable() const noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
   Wrench environment(const SlaveToMaster& in, double share) noexcept;
@@ -104,6 +110,8 @@ class Master {
   bool maps_forces_ = false;  // some stage needs the map between wrenches and motors
   Status forces_ = Status::not_finite;
   Wrench F_given_G_;  // of the motors' torques written last
+  ModeState state_;
+  bool stop_ = false;
   MasterTick tick_;
 };
 

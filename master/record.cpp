@@ -30,6 +30,7 @@ void fill_reading(record::MasterRecord& to, const HandleReading& from, int motor
 
 void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedMaster& master) {
   to.set_mode(static_cast<record::Mode>(from.mode));
+  to.set_reason(static_cast<record::Reason>(from.reason));
   append(to.mutable_handle_position_m_m(), from.handle.X_MH.p);
   append(to.mutable_handle_quaternion_m(), from.out.q_MH);
   append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
@@ -52,6 +53,7 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedM
   if (from.position_controlled) append(to.mutable_target_position_m_m(), from.p_MH_target);
   to.set_limits(from.limits);
   to.set_slave_mode(static_cast<record::Mode>(from.slave_mode));
+  to.set_slave_reason(static_cast<record::Reason>(from.slave_reason));
   to.set_coupled(from.coupled);
 }
 

@@ -52,7 +52,7 @@ void MasterStatus::watch_silence(const MasterRecord& r) {
 void MasterStatus::add(const MasterRecord& r) {
   summary_.add(r.tick);
   watch_silence(r);
-  watch_.add(r.tick.mode, r.timing, r.link);
+  watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
   watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "common/limit_counts.hpp"
+#include "common/mode.hpp"
 #include "common/statistics.hpp"
 #include "master/master.hpp"
 
@@ -12,7 +13,7 @@ namespace farhand {
 
 struct MasterSummary {
   std::uint64_t ticks = 0;
-  std::array<std::uint64_t, 4> ticks_in_mode{};
+  std::array<std::uint64_t, kModes> ticks_in_mode{};
   // User's force against the environment's, where the handle senses it, while engaged [N].
   Rms force_free, force_contact;
   Rms force_felt;      // size of the force commanded on the hand [N]

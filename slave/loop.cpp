@@ -18,7 +18,7 @@ void SlaveLoop::run(Duration limit) noexcept {
   const TimePoint last = phase_.deadline() + limit;
   while (!stop_requested() && phase_.deadline() < last) turn();
 
-  stopping_ = true;
+  slave_.stop();
   constexpr Duration kGoodbye = std::chrono::milliseconds(200);
   for (const TimePoint end = monotonic_now() + kGoodbye; monotonic_now() < end;) turn();
 }
@@ -67,7 +67,7 @@ void SlaveLoop::finish(TimePoint planned, TimePoint begin, TimePoint end) noexce
 }
 
 Peer<MasterToSlave> SlaveLoop::master(TimePoint now) const noexcept {
-  return stopping_ ? Peer<MasterToSlave>{} : peer<MasterToSlave>(link_, now, config_.lost);
+  return peer<MasterToSlave>(link_, now, config_.lost);
 }
 
 std::optional<TimePoint> SlaveLoop::await_message() noexcept {

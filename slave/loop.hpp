@@ -54,7 +54,6 @@ class SlaveLoop {
   Recorder<SlaveRecord>& recorder_;
   PhaseLock phase_;
   OverrunSplit split_;
-  bool stopping_ = false;
   std::uint64_t ticked_sequence_ = 0;
   SlaveRecord* record_ = nullptr;  // this turn's, in the recorder's queue
 };

@@ -18,6 +18,7 @@ void fill_reading(record::SlaveRecord& to, const RobotReading& from) {
 
 void fill_tick(record::SlaveRecord& to, const SlaveTick& from) {
   to.set_mode(static_cast<record::Mode>(from.mode));
+  to.set_reason(static_cast<record::Reason>(from.reason));
   to.set_coupled(from.coupled);
   if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
   append(to.mutable_robot_position_s_m(), from.X_SE.p);

@@ -26,7 +26,7 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.robot = robot;
   tick_.robot.ok = robot.ok && plausible(robot);
   tick_.limits = kLimitNone;
-  decide_mode(master);
+  decide_mode(master, robot.ok);
   if (tick_.robot.ok) {
     const ArmKinematics arm = kinematics(config_.arm, robot.q);
     tick_.X_SE = arm.X_SE;
@@ -40,14 +40,25 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   return tick_;
 }
 
-void Slave::decide_mode(const Peer<MasterToSlave>& master) noexcept {
+void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept {
   const MasterToSlave* in = master.newest;
-  tick_.mode = next_mode(tick_.mode,
-                         {.equipment_ok = tick_.robot.ok,
-                          .connected = master.connected && in != nullptr,
-                          .fresh = master.age <= config_.stale,
-                          .partner_able = true,
-                          .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
+  const bool clutched = in != nullptr && in->clutch_presses > clutch_presses_;
+  if (in != nullptr) clutch_presses_ = in->clutch_presses;
+  state_ = next_mode(
+      state_,
+      {.equipment = tick_.robot.ok ? Equipment::ok
+                    : reads        ? Equipment::implausible
+                                   : Equipment::silent,
+       .connected = master.connected && in != nullptr,
+       .synced = master.synced,
+       .fresh = master.age <= config_.stale,
+       .partner = in != nullptr && in->mode == Mode::stopped ? Partner::stopped : Partner::able,
+       .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged,
+       .reset = clutched && !in->dead_man,
+       .stop = stop_},
+      tick_.now);
+  tick_.mode = state_.mode;
+  tick_.reason = state_.reason;
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
@@ -135,6 +146,7 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   out.p_SE = tick_.X_SE.p;
   out.q_SE = to_quat(tick_.X_SE.R);
   out.mode = tick_.mode;
+  out.reason = tick_.reason;
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
   if (config_.sends_robot) tell_where();

@@ -42,7 +42,8 @@ struct SlaveTick {
   TimePoint now{};
   Duration age = Duration::max();  // of the master's message used
   RobotReading robot;
-  Mode mode = Mode::idle;
+  Mode mode = Mode::disconnected;
+  Reason reason = Reason::no_partner;
   bool coupled = false;
   Pose X_SE;         // of the measured joints
   Pose X_SE_target;  // where the robot is told to go: the handle's wish, or held at the boundary
@@ -68,12 +69,15 @@ class Slave {
   const SlaveTick& tick(TimePoint now, const Peer<MasterToSlave>& master,
                         const RobotReading& robot) noexcept;
 
+  // From the next tick on STOPPED: the robot is held where it is.
+  void stop() noexcept { stop_ = true; }
+
   const SlaveConfig& config() const noexcept { return config_; }
   const WorkspaceState& workspace() const noexcept { return workspace_; }
   const std::optional<Boundary>& boundary() const noexcept { return boundary_; }
 
  private:
-  void decide_mode(const Peer<MasterToSlave>& master) noexcept;
+  void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
   void move_target(const MasterToSlave* in) noexcept;
   void follow_handle(const MasterToSlave& in) noexcept;
   void follow_push(const MasterToSlave& in) noexcept;
@@ -91,6 +95,9 @@ class Slave {
   std::optional<ForceSensing> force_sensing_;
   std::optional<Boundary> boundary_;
   std::optional<Admittance> admittance_;
+  ModeState state_;
+  bool stop_ = false;
+  std::uint32_t clutch_presses_ = 0;  // of the last message seen
   bool started_ = false;
   Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
   SlaveTick tick_;

@@ -41,7 +41,7 @@ std::string summary_rows(const SlaveSummary& s) {
 
 void SlaveStatus::add(const SlaveRecord& r) {
   summary_.add(r.tick);
-  watch_.add(r.tick.mode, r.timing, r.link);
+  watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
   watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
 }
 

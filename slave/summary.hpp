@@ -4,6 +4,7 @@
 #include <array>
 
 #include "common/limit_counts.hpp"
+#include "common/mode.hpp"
 #include "common/statistics.hpp"
 #include "slave/slave.hpp"
 
@@ -11,7 +12,7 @@ namespace farhand {
 
 struct SlaveSummary {
   std::uint64_t ticks = 0;
-  std::array<std::uint64_t, 4> ticks_in_mode{};
+  std::array<std::uint64_t, kModes> ticks_in_mode{};
   std::uint64_t coupled_ticks = 0;
   // Tool target against tool, while coupled.
   Rms position_free, position_contact;  // [m]

@@ -40,7 +40,7 @@ std::vector<Strip> strips(const RunView& view, double gap) {
       run.master ? static_cast<const SideData*>(&*run.master) : (run.slave ? &*run.slave : nullptr);
   if (side == nullptr) return {};
   Strip modes{"state", {}};
-  for (const Mode mode : {Mode::ready, Mode::engaged, Mode::holding}) {
+  for (const Mode mode : {Mode::ready, Mode::engaged, Mode::holding, Mode::aligning, Mode::fault}) {
     const auto m = static_cast<std::uint8_t>(mode);
     const std::vector<Span> s =
         spans(side->t, 0, m - 1, [&](std::size_t i) { return side->mode[i] == m; });

@@ -256,7 +256,7 @@ SummaryGroup mode_group(const std::vector<RunData>& runs) {
   GroupBuilder g = sides(runs, "Ticks, and share in each state");
   g.row({"ticks", "ticks", "", 1, 0},
         of_sides([](const SideData& d) { return static_cast<double>(d.size()); }));
-  for (std::uint8_t mode = 0; mode < 4; ++mode) {
+  for (std::uint8_t mode = 0; mode < kModes; ++mode) {
     const std::string name = to_string(static_cast<Mode>(mode));
     g.row({name + "_ratio", name, "%", 100, 2}, of_sides([mode](const SideData& d) {
             const auto n = std::count(d.mode.begin(), d.mode.end(), mode);

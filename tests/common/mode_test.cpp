@@ -1,51 +1,201 @@
+// The whole space: every state the machine can be in, with every input.
 #include "common/mode.hpp"
 
 #include <gtest/gtest.h>
 
+#include <set>
+#include <tuple>
+#include <vector>
+
 namespace farhand {
 namespace {
 
-constexpr Mode kModes[] = {Mode::idle, Mode::ready, Mode::engaged, Mode::holding};
+using std::chrono::milliseconds;
+constexpr TimePoint kNow{std::chrono::hours(1)};
 
-ModeInputs inputs(int bits) {
-  return {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 16) != 0};
+std::vector<ModeInputs> all_inputs() {
+  std::vector<ModeInputs> out;
+  for (int bits = 0; bits < 1 << 11; ++bits) {
+    const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
+    out.push_back({.equipment = static_cast<Equipment>(bits & 3),
+                   .connected = bit(2),
+                   .synced = bit(3),
+                   .fresh = bit(4),
+                   .partner = static_cast<Partner>(bits >> 5 & 3),
+                   .dead_man = bit(7),
+                   .aligned = bit(8),
+                   .reset = bit(9),
+                   .stop = bit(10)});
+  }
+  return out;
+}
+
+// A failure is as old as it may be without, or just as old as makes a fault; READY and ENGAGED end
+// with its first sample.
+std::vector<ModeState> all_states() {
+  std::vector<ModeState> out;
+  for (std::size_t m = 0; m < kModes; ++m)
+    for (std::size_t r = 0; r < kReasons; ++r)
+      for (const bool fit : {false, true})
+        for (const int ms : {-1, 49, 50}) {
+          const Mode mode = static_cast<Mode>(m);
+          if (ms >= 0 && (mode == Mode::ready || mode == Mode::engaged)) continue;
+          out.push_back({mode, static_cast<Reason>(r), fit, ms >= 0, kNow - milliseconds(ms)});
+        }
+  return out;
+}
+
+// Time only matters relative to a failure's begin.
+ModeState older(ModeState s, Duration by) {
+  s.failing_since = s.failing ? s.failing_since - by : kNow;
+  return s;
+}
+
+// Those that can come about, from the start by any inputs, at two speeds of time.
+std::vector<ModeState> reachable_states() {
+  const auto inputs = all_inputs();
+  using Key = std::tuple<Mode, Reason, bool, bool, bool>;
+  std::set<Key> seen;
+  std::vector<ModeState> out, todo{ModeState{}};
+  while (!todo.empty()) {
+    const ModeState s = todo.back();
+    todo.pop_back();
+    for (const ModeInputs& in : inputs)
+      for (const int ms : {1, 60}) {
+        const ModeState to = next_mode(older(s, milliseconds(ms)), in, kNow);
+        const bool old = to.failing && kNow - to.failing_since >= kFaultAfter;
+        if (!seen.emplace(to.mode, to.reason, to.was_fit, to.failing, old).second) continue;
+        out.push_back(to);
+        todo.push_back(to);
+      }
+  }
+  return out;
+}
+
+bool everything_good(const ModeInputs& in) {
+  return in.equipment == Equipment::ok && in.connected && in.synced && in.fresh &&
+         in.partner == Partner::able && in.aligned && !in.stop;
+}
+
+TEST(Mode, EveryStateIsReachedAndNoOtherReasonThanThoseOfItsKind) {
+  std::set<Mode> modes;
+  for (const ModeState& s : reachable_states()) {
+    modes.insert(s.mode);
+    const bool fine = s.mode == Mode::ready || s.mode == Mode::engaged;
+    const bool failed = s.reason == Reason::silent || s.reason == Reason::implausible;
+    EXPECT_TRUE(s.mode == Mode::holding || (s.reason == Reason::none) == fine);
+    EXPECT_TRUE(s.mode != Mode::fault || (failed && s.was_fit));
+  }
+  EXPECT_EQ(modes.size(), kModes);
 }
 
 TEST(Mode, EveryStateWithEveryInputMovesOnlyAlongTheTable) {
-  for (Mode from : kModes)
-    for (int bits = 0; bits < 32; ++bits) {
-      const Mode to = next_mode(from, inputs(bits));
-      EXPECT_TRUE(is_legal(from, to))
-          << to_string(from) << " -> " << to_string(to) << " on " << bits;
+  const auto inputs = all_inputs();
+  std::size_t tried = 0;
+  for (const ModeState& s : all_states())
+    for (const ModeInputs& in : inputs) {
+      const Mode to = next_mode(s, in, kNow).mode;
+      ASSERT_TRUE(is_legal(s.mode, to)) << to_string(s.mode) << " -> " << to_string(to);
+      ++tried;
+    }
+  printf("%zu states with every input: %zu transitions, 0 forbidden\n", all_states().size(), tried);
+}
+
+// No row or column of the table allows what never happens.
+TEST(Mode, EveryLegalTransitionHappens) {
+  bool seen[kModes][kModes] = {};
+  const auto inputs = all_inputs();
+  for (const ModeState& s : reachable_states())
+    for (const ModeInputs& in : inputs)
+      for (const int ms : {1, 60}) {
+        const ModeState to = next_mode(older(s, milliseconds(ms)), in, kNow);
+        seen[static_cast<int>(s.mode)][static_cast<int>(to.mode)] = true;
+      }
+  for (std::size_t from = 0; from < kModes; ++from)
+    for (std::size_t to = 0; to < kModes; ++to)
+      EXPECT_EQ(seen[from][to], is_legal(static_cast<Mode>(from), static_cast<Mode>(to)))
+          << to_string(static_cast<Mode>(from)) << " -> " << to_string(static_cast<Mode>(to));
+}
+
+TEST(Mode, EngagedNeedsTheDeadManAndOnceThereOnlyWhatMotionNeeds) {
+  const auto inputs = all_inputs();
+  for (const ModeState& s : all_states())
+    for (const ModeInputs& in : inputs) {
+      if (next_mode(s, in, kNow).mode != Mode::engaged) continue;
+      ASSERT_TRUE(in.dead_man && in.fresh && in.connected && !in.stop);
+      ASSERT_TRUE(in.equipment == Equipment::ok && in.partner == Partner::able);
+      ASSERT_TRUE(s.mode == Mode::engaged || (s.mode == Mode::ready && everything_good(in)));
     }
 }
 
-TEST(Mode, EngagedNeedsEverythingAndTheDeadManHeld) {
-  for (Mode from : kModes)
-    for (int bits = 0; bits < 32; ++bits)
-      EXPECT_TRUE(next_mode(from, inputs(bits)) != Mode::engaged || bits == 31)
-          << to_string(from) << " " << bits;
-}
-
-TEST(Mode, NothingResumesWhileTheDeadManStaysPressed) {
-  const ModeInputs good{true, true, true, true, true};
-  for (Mode from : {Mode::idle, Mode::holding}) {
-    Mode mode = from;
-    for (int k = 0; k < 100; ++k) mode = next_mode(mode, good);
-    EXPECT_EQ(mode, from);
-    ModeInputs released = good;
-    released.dead_man = false;
-    mode = next_mode(mode, released);
-    EXPECT_EQ(mode, Mode::ready);
-    EXPECT_EQ(next_mode(mode, good), Mode::engaged);
+// Whatever happened: between leaving ENGAGED and entering it again the dead-man was released.
+TEST(Mode, NothingResumesMotionWithoutAFreshPress) {
+  const auto inputs = all_inputs();
+  for (const ModeState& s : reachable_states()) {
+    if (s.mode == Mode::ready || s.mode == Mode::engaged) continue;
+    for (const ModeInputs& in : inputs)
+      if (in.dead_man) {
+        const Mode to = next_mode(s, in, kNow).mode;
+        ASSERT_TRUE(to != Mode::ready && to != Mode::engaged) << to_string(s.mode);
+      }
   }
 }
 
-TEST(Mode, AnAgedLinkHoldsAndALostOneIdles) {
-  EXPECT_EQ(next_mode(Mode::engaged, {true, true, false, true, true}), Mode::holding);
-  EXPECT_EQ(next_mode(Mode::holding, {true, true, false, true, false}), Mode::holding);
-  EXPECT_EQ(next_mode(Mode::holding, {true, false, false, true, true}), Mode::idle);
-  EXPECT_EQ(next_mode(Mode::engaged, {false, true, true, true, true}), Mode::idle);
+TEST(Mode, TheGraverWins) {
+  const auto inputs = all_inputs();
+  for (const ModeState& s : all_states())
+    for (const ModeInputs& in : inputs) {
+      const ModeState to = next_mode(s, in, kNow);
+      const bool failing =
+          in.equipment == Equipment::silent || in.equipment == Equipment::implausible;
+      const bool stop = in.stop || s.mode == Mode::stopped;
+      const bool failed = failing && to.was_fit && kNow - to.failing_since >= kFaultAfter;
+      const bool latched = s.mode == Mode::fault && (failing || !in.reset);
+      const Mode expected = stop                ? Mode::stopped
+                            : failed || latched ? Mode::fault
+                            : !in.connected     ? Mode::disconnected
+                                                : to.mode;
+      ASSERT_EQ(to.mode, expected) << to_string(s.mode);
+    }
+}
+
+TEST(Mode, AFaultIsLeftOnlyByResetWithTheEquipmentWell) {
+  const auto inputs = all_inputs();
+  for (const ModeState& s : all_states()) {
+    if (s.mode != Mode::fault) continue;
+    for (const ModeInputs& in : inputs) {
+      const ModeState to = next_mode(s, in, kNow);
+      if (to.mode == Mode::fault) {
+        ASSERT_EQ(to.reason, s.reason);
+        continue;
+      }
+      ASSERT_TRUE(in.stop || (in.reset && (in.equipment == Equipment::ok ||
+                                           in.equipment == Equipment::outside)));
+    }
+  }
+}
+
+TEST(Mode, StartingUpIsNoFault) {
+  ModeState s;
+  for (int k = 0; k < 10000; ++k)
+    s = next_mode(s,
+                  {.equipment = Equipment::silent,
+                   .connected = true,
+                   .synced = true,
+                   .fresh = true,
+                   .partner = Partner::able},
+                  kNow + milliseconds(k));
+  EXPECT_EQ(s.mode, Mode::aligning);
+  EXPECT_EQ(s.reason, Reason::silent);
+}
+
+TEST(Mode, EveryReasonHasItsSentence) {
+  std::set<std::string> sentences;
+  for (std::size_t r = 1; r < kReasons; ++r) {
+    sentences.insert(to_string(static_cast<Reason>(r)));
+    EXPECT_STRNE(to_string(static_cast<Reason>(r)), "");
+  }
+  EXPECT_EQ(sentences.size(), kReasons - 1);
 }
 
 }  // namespace

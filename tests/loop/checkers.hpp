@@ -35,7 +35,7 @@ class Checkers {
   const Loopback& loop_;
   std::uint64_t count_ = 0;
   std::vector<Violation> first_;
-  Mode master_mode_ = Mode::idle, slave_mode_ = Mode::idle;
+  Mode master_mode_ = Mode::disconnected, slave_mode_ = Mode::disconnected;
   Vec6 motor_tau_ = Vec6::Zero();
   Wrench F_G_;
   Wrench boundary_;

@@ -21,7 +21,7 @@ class CheckersTest : public ::testing::Test {
   std::string verdict(const Tick& genuine, const Tick& bad) {
     Checkers checkers(loop_);
     Tick first = genuine;
-    first.mode = Mode::idle;
+    first.mode = Mode::disconnected;
     checkers.check(first);
     const auto before = checkers.count();
     checkers.check(bad);
@@ -34,11 +34,11 @@ class CheckersTest : public ::testing::Test {
 };
 
 MasterTick idle(MasterTick t) {
-  t.mode = Mode::idle;
+  t.mode = Mode::disconnected;
   return t;
 }
 SlaveTick idle(SlaveTick t) {
-  t.mode = Mode::idle;
+  t.mode = Mode::disconnected;
   return t;
 }
 

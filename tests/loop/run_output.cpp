@@ -56,7 +56,7 @@ Json json(const LimitCounts& limits) {
   return out;
 }
 
-Json modes(const std::array<std::uint64_t, 4>& ticks) {
+Json modes(const std::array<std::uint64_t, kModes>& ticks) {
   Json out = Json::object();
   for (std::size_t m = 0; m < ticks.size(); ++m) out[to_string(static_cast<Mode>(m))] = ticks[m];
   return out;

@@ -23,12 +23,18 @@ const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleRea
   handle.X_MH.R = handle_rotation(geometry, handle.R_MG, at.pose.length);
   handle.X_MH.p = at.pose.p_MH;
 
-  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::idle;
-  out.mode = next_mode(out.mode, {.equipment_ok = true,
-                                  .connected = slave.connected && slave.newest != nullptr,
-                                  .fresh = slave.age <= stale,
-                                  .partner_able = other == Mode::ready || other == Mode::engaged,
-                                  .dead_man = reading.dead_man});
+  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::disconnected;
+  mode_state = next_mode(mode_state,
+                         {.equipment = Equipment::ok,
+                          .connected = slave.connected && slave.newest != nullptr,
+                          .synced = slave.synced,
+                          .fresh = slave.age <= stale,
+                          .partner = partner(other),
+                          .dead_man = reading.dead_man,
+                          .reset = reading.clutch && !out.clutch && !reading.dead_man},
+                         now);
+  out.mode = mode_state.mode;
+  out.reason = mode_state.reason;
   if (reading.dead_man && !out.dead_man) ++out.dead_man_presses;
   if (reading.clutch && !out.clutch) ++out.clutch_presses;
   out.dead_man = reading.dead_man;
@@ -41,8 +47,10 @@ const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleRea
     record.reading = reading;
     handle.status = at.status;
     record.mode = out.mode;
+    record.reason = out.reason;
     if (slave.newest != nullptr) {
       record.slave_mode = slave.newest->mode;
+      record.slave_reason = slave.newest->reason;
       record.coupled = slave.newest->coupled;
     }
     record.age = slave.age;
@@ -76,12 +84,20 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   if (!robot.ok) return record;
   LimitSet limits = kLimitNone;
   const MasterToSlave* in = master.newest;
-  out.mode =
-      next_mode(out.mode, {.equipment_ok = true,
-                           .connected = master.connected && in != nullptr,
-                           .fresh = master.age <= stale,
-                           .partner_able = true,
-                           .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged});
+  const bool clutched = in != nullptr && in->clutch_presses > clutch_presses;
+  if (in != nullptr) clutch_presses = in->clutch_presses;
+  mode_state = next_mode(
+      mode_state,
+      {.equipment = Equipment::ok,
+       .connected = master.connected && in != nullptr,
+       .synced = master.synced,
+       .fresh = master.age <= stale,
+       .partner = in != nullptr && in->mode == Mode::stopped ? Partner::stopped : Partner::able,
+       .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged,
+       .reset = clutched && !in->dead_man},
+      now);
+  out.mode = mode_state.mode;
+  out.reason = mode_state.reason;
   if (master.age > stale) limits |= kLimitStale;
 
   if (!plausible(robot)) return record;
@@ -140,6 +156,7 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
     record.age = master.age;
     record.robot = robot;
     record.mode = out.mode;
+    record.reason = out.reason;
     record.coupled = out.coupled;
     record.X_SE = at.X_SE;
     record.X_SE_target = target.X_SE_target;

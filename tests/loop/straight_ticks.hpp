@@ -21,6 +21,7 @@ struct StraightMaster {
   TwinDeltaGeometry geometry;
   Duration stale;
   HandleVelocity velocity;
+  ModeState mode_state;
   MasterTick record;
 };
 
@@ -39,6 +40,8 @@ struct StraightSlave {
   Vec6 drive = Vec6::Zero();
   std::array<Pid, 6> pid;
   std::array<PidState, 6> state{};
+  ModeState mode_state;
+  std::uint32_t clutch_presses = 0;
   WorkspaceState target;
   bool started = false;
   Vec6 q_target = Vec6::Zero();

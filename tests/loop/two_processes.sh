@@ -61,12 +61,12 @@ wait_for slave 'READY -> ENGAGED' 1
 kill -9 "$master"
 wait "$master" 2>/dev/null || true
 wait_for slave 'ENGAGED -> HOLDING' 1
-wait_for slave 'HOLDING -> IDLE' 1
+wait_for slave 'HOLDING -> DISCONNECTED' 1
 before="$(grep -c 'ENGAGED$' "$dir/slave" || true)"
 start_master
-wait_for slave 'IDLE -> READY' 2
+wait_for slave '-> READY' 2
 wait_for slave 'READY -> ENGAGED' $((before + 1))
-mode_lines slave | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the slave engaged without a release"
+mode_lines slave | grep -qE '(DISCONNECTED|SYNCING|ALIGNING|HOLDING|FAULT) -> ENGAGED' && fail "the slave engaged without a release"
 stop_both INT
 pass "kill -9 of the master: the robot is held, then ready for a new master, and moves only after a new press"
 
@@ -76,11 +76,11 @@ wait_for master 'READY -> ENGAGED' 1
 kill -9 "$slave"
 wait "$slave" 2>/dev/null || true
 wait_for master 'ENGAGED -> HOLDING' 1
-wait_for master 'HOLDING -> IDLE' 1
+wait_for master 'HOLDING -> DISCONNECTED' 1
 start_slave
-wait_for master 'IDLE -> READY' 2
+wait_for master '-> READY' 2
 wait_for master 'READY -> ENGAGED' 2
-mode_lines master | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the master engaged without a release"
+mode_lines master | grep -qE '(DISCONNECTED|SYNCING|ALIGNING|HOLDING|FAULT) -> ENGAGED' && fail "the master engaged without a release"
 stop_both INT
 pass "kill -9 of the slave: the force fades, the master is ready again when it returns, and engages only after a new press"
 
@@ -101,8 +101,8 @@ start_master "$dir/other.textproto"
 wait_for master 'no answer from the slave' 1
 wait_for slave 'another scene' 1
 stop_both INT
-[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different scenes left IDLE"
-pass "different scenes: the slave says so, the master that nobody answers, and both stay idle"
+[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different scenes left DISCONNECTED"
+pass "different scenes: the slave says so, the master that nobody answers, and both stay apart"
 
 # A disk of 1 MiB where that can be mounted out of everybody's sight, else a limit on the size of files.
 mkdir "$dir/disk"

@@ -27,7 +27,8 @@ struct Rig {
     const MasterTick* t = nullptr;
     for (int i = 0; i < times; ++i) {
       now += milliseconds(1);
-      const Peer<SlaveToMaster> slave{.newest = &answer, .connected = connected, .age = age};
+      const Peer<SlaveToMaster> slave{
+          .newest = &answer, .connected = connected, .age = age, .synced = true};
       sent = master.sample(now, reading, slave);
       t = &master.actuate(now, slave);
       answer.coupled = sent.mode == Mode::engaged;
@@ -138,20 +139,60 @@ TEST(Master, ADeviceThatDoesNotReadReleasesTheMotors) {
   rig.engage();
   EXPECT_GT(rig.tick(50).tau.norm(), 0.01);
   rig.reading.ok = false;
-  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
+  EXPECT_EQ(rig.tick().reason, Reason::silent);
   EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
 }
 
-TEST(Master, AnglesThatNoHandleCanHaveKeepTheLastPoseAndEndTheEngagement) {
+TEST(Master, AFaultStaysUntilTheClutchIsPressedWithTheDeadManReleased) {
+  Rig rig;
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  rig.tick(50);
+  rig.reading.ok = false;
+  EXPECT_EQ(rig.tick(50).mode, Mode::holding);
+  EXPECT_EQ(rig.tick().mode, Mode::fault);
+  EXPECT_EQ(rig.sent.reason, Reason::silent);
+  rig.reading.ok = true;
+  rig.reading.dead_man = false;
+  EXPECT_EQ(rig.tick(1000).mode, Mode::fault);
+  EXPECT_EQ(rig.tick().tau, Vec6::Zero());
+  rig.reading.dead_man = true;
+  rig.reading.clutch = true;
+  EXPECT_EQ(rig.tick(2).mode, Mode::fault);
+  rig.reading.dead_man = false;
+  EXPECT_EQ(rig.tick(2).mode, Mode::fault);  // a fresh press it must be
+  rig.reading.clutch = false;
+  rig.tick();
+  rig.reading.clutch = true;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+}
+
+TEST(Master, StoppedLetsEveryForceGoAndIsFinal) {
+  Rig rig;
+  rig.answer.F_E_M.force = Vec3(4, 0, 0);
+  rig.engage();
+  rig.tick(50);
+  rig.master.stop();
+  EXPECT_EQ(rig.tick().mode, Mode::stopped);
+  EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
+  rig.reading.dead_man = false;
+  EXPECT_EQ(rig.tick(10).mode, Mode::stopped);
+}
+
+TEST(Master, AnglesThatNoHandleCanHaveKeepTheLastPoseAndHold) {
   Rig rig;
   rig.engage();
   const Vec3 p = rig.sent.p_MH;
   rig.reading.theta << 1.371, -1.007, 0.061, 0.377, -2.157, -1.430;  // the forearms do not meet
-  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick(1000).mode, Mode::holding);  // moved back it goes on: no fault
+  EXPECT_EQ(rig.sent.reason, Reason::outside);
   EXPECT_EQ(rig.sent.p_MH, p);
   rig.reading.theta = Vec6::Constant(NAN);
-  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
   EXPECT_TRUE(rig.tick().tau.allFinite());
+  EXPECT_EQ(rig.tick(50).mode, Mode::fault);
+  EXPECT_EQ(rig.sent.reason, Reason::implausible);
 }
 
 TEST(Master, WithoutForceFeedbackTheMotorsStayAtZero) {

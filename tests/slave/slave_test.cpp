@@ -24,7 +24,8 @@ struct Rig {
     const SlaveTick* t = nullptr;
     for (int i = 0; i < times; ++i) {
       now += milliseconds(1);
-      t = &slave.tick(now, {.newest = &message, .connected = connected, .age = age}, robot);
+      t = &slave.tick(now, {.newest = &message, .connected = connected, .age = age, .synced = true},
+                      robot);
       robot.q = t->q_cmd;
     }
     return *t;
@@ -110,7 +111,8 @@ TEST(Slave, AReadingThatCannotBeIsNoReading) {
     const Vec6 tau = rig.tick(50).tau;
     rig.robot.dq[2] = value;
     const SlaveTick& t = rig.tick();
-    EXPECT_EQ(t.mode, Mode::idle) << value;
+    EXPECT_EQ(t.mode, Mode::holding) << value;
+    EXPECT_EQ(t.reason, Reason::implausible) << value;
     EXPECT_EQ(t.tau, tau) << value;
     EXPECT_TRUE(t.out.V_SE.linear.allFinite()) << value;
   }
@@ -156,11 +158,11 @@ TEST(Slave, AMasterThatIsNotEngagedItselfMovesNothing) {
   EXPECT_EQ(rig.tick().mode, Mode::ready);
 }
 
-TEST(Slave, ALostMasterLeavesTheRobotHeldAndIdle) {
+TEST(Slave, ALostMasterLeavesTheRobotHeld) {
   Rig rig;
   rig.engage();
   rig.connected = false;
-  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick().mode, Mode::disconnected);
   const Vec6 q = rig.tick().q_cmd;
   EXPECT_EQ(rig.tick(100).q_cmd, q);
 }
@@ -215,13 +217,43 @@ TEST(Slave, TorquesStayWithinTheirLimitsAndSlew) {
   }
 }
 
-TEST(Slave, ARobotThatDoesNotReadIsIdleAndKeepsItsTorque) {
+TEST(Slave, ARobotThatDoesNotReadHoldsAndKeepsItsTorque) {
   Rig rig;
   rig.engage();
   const Vec6 tau = rig.tick(30).tau;
   rig.robot.ok = false;
-  EXPECT_EQ(rig.tick().mode, Mode::idle);
+  EXPECT_EQ(rig.tick().mode, Mode::holding);
   EXPECT_EQ(rig.tick().tau, tau);
+}
+
+TEST(Slave, AFaultStaysUntilTheMasterClutchesWithTheDeadManReleased) {
+  Rig rig;
+  rig.engage();
+  rig.robot.ok = false;
+  EXPECT_EQ(rig.tick(51).mode, Mode::fault);
+  EXPECT_EQ(rig.tick().out.reason, Reason::silent);
+  rig.robot.ok = true;
+  rig.release();
+  EXPECT_EQ(rig.tick(1000).mode, Mode::fault);
+  rig.press();
+  ++rig.message.clutch_presses;
+  EXPECT_EQ(rig.tick().mode, Mode::fault);
+  rig.release();
+  EXPECT_EQ(rig.tick().mode, Mode::fault);
+  ++rig.message.clutch_presses;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+}
+
+TEST(Slave, StoppedHoldsTheRobotAndIsFinal) {
+  Rig rig;
+  rig.engage();
+  const Vec6 q = rig.tick(30).q_cmd;
+  rig.slave.stop();
+  rig.message.p_MH.y() += 0.01;
+  EXPECT_EQ(rig.tick(100).mode, Mode::stopped);
+  EXPECT_EQ(rig.tick().q_cmd, q);
+  rig.release();
+  EXPECT_EQ(rig.tick(10).mode, Mode::stopped);
 }
 
 TEST(Slave, TheWrenchIsSentOnlyWhereTheSceneSensesForce) {

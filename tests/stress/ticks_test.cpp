@@ -109,9 +109,9 @@ class Bench {
     now_ += from_seconds(m_.Ts);
     if (rare(random_)) now_ += from_seconds(random_.uniform() < 0.5 ? -m_.Ts : 0.3);
     hear();
-    check_message(master_.sample(now_, reading(), {newest_up(), connected_, age_up_}));
-    check(master_.actuate(now_, {newest_up(), connected_, age_up_}));
-    const SlaveTick& s = slave_.tick(now_, {newest_down(), connected_, age_down_}, robot());
+    check_message(master_.sample(now_, reading(), {newest_up(), connected_, age_up_, true}));
+    check(master_.actuate(now_, {newest_up(), connected_, age_up_, true}));
+    const SlaveTick& s = slave_.tick(now_, {newest_down(), connected_, age_down_, true}, robot());
     check(s);
     follow(s);
   }
@@ -238,7 +238,7 @@ class Bench {
 
   Vec6 tau_ = Vec6::Zero(), joint_tau_ = Vec6::Zero(), q_cmd_ = Vec6::Zero(), tau_max_;
   Wrench F_G_;
-  Mode master_mode_ = Mode::idle, slave_mode_ = Mode::idle;
+  Mode master_mode_ = Mode::disconnected, slave_mode_ = Mode::disconnected;
   bool started_ = false;
   std::uint64_t engaged_ = 0, coupled_ = 0;
 };

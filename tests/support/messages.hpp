@@ -30,7 +30,10 @@ inline std::uint32_t random_count(Random& random) {
 }
 
 inline Mode random_mode(Random& random) {
-  return static_cast<Mode>(random.bits() % 4);
+  return static_cast<Mode>(random.bits() % kModes);
+}
+inline Reason random_reason(Random& random) {
+  return static_cast<Reason>(random.bits() % kReasons);
 }
 
 inline void randomise(Random& random, MasterToSlave& m) {
@@ -38,6 +41,7 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.q_MH = random_rotation(random);
   m.V_MH = random_twist(random);
   m.mode = random_mode(random);
+  m.reason = random_reason(random);
   m.dead_man = random_bool(random);
   m.clutch = random_bool(random);
   m.force_wanted = random_bool(random);
@@ -59,11 +63,11 @@ inline void randomise(Random& random, SlaveToMaster& m) {
   m.F_E_M.force = random_vector(random);
   m.F_E_M.torque = random_vector(random);
   m.mode = random_mode(random);
+  m.reason = random_reason(random);
   m.coupled = random_bool(random);
   m.limits = random_count(random);
   m.dead_man_presses_seen = random_count(random);
   m.clutch_presses_seen = random_count(random);
-  m.stops = random_count(random);
   m.energy_in = random.normal();
   m.energy_out = random.normal();
   m.has_robot = random_bool(random);
@@ -78,20 +82,21 @@ inline bool same(const Twist& a, const Twist& b) {
 }
 inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
   return a.p_MH == b.p_MH && a.q_MH.coeffs() == b.q_MH.coeffs() && same(a.V_MH, b.V_MH) &&
-         a.mode == b.mode && a.dead_man == b.dead_man && a.clutch == b.clutch &&
-         a.force_wanted == b.force_wanted && a.dead_man_presses == b.dead_man_presses &&
-         a.clutch_presses == b.clutch_presses && a.energy_in == b.energy_in &&
-         a.energy_out == b.energy_out && a.has_user_wrench == b.has_user_wrench &&
-         a.F_user_M.force == b.F_user_M.force && a.F_user_M.torque == b.F_user_M.torque;
+         a.mode == b.mode && a.reason == b.reason && a.dead_man == b.dead_man &&
+         a.clutch == b.clutch && a.force_wanted == b.force_wanted &&
+         a.dead_man_presses == b.dead_man_presses && a.clutch_presses == b.clutch_presses &&
+         a.energy_in == b.energy_in && a.energy_out == b.energy_out &&
+         a.has_user_wrench == b.has_user_wrench && a.F_user_M.force == b.F_user_M.force &&
+         a.F_user_M.torque == b.F_user_M.torque;
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
          a.F_E_M.force == b.F_E_M.force && a.F_E_M.torque == b.F_E_M.torque && a.mode == b.mode &&
-         a.coupled == b.coupled && a.limits == b.limits &&
+         a.reason == b.reason && a.coupled == b.coupled && a.limits == b.limits &&
          a.dead_man_presses_seen == b.dead_man_presses_seen &&
-         a.clutch_presses_seen == b.clutch_presses_seen && a.stops == b.stops &&
-         a.energy_in == b.energy_in && a.energy_out == b.energy_out && a.has_robot == b.has_robot &&
-         a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
+         a.clutch_presses_seen == b.clutch_presses_seen && a.energy_in == b.energy_in &&
+         a.energy_out == b.energy_out && a.has_robot == b.has_robot && a.p_MR == b.p_MR &&
+         a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
 }
 
 }  // namespace farhand
