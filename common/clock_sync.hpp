@@ -37,7 +37,7 @@ struct ClockEstimate {
   Duration offset{};       // peer's clock minus ours, as of the last exchange
   Duration round_trip{};   // least of the window, the peer's hold taken off
   Duration uncertainty{};  // of the offset: round_trip / 2 and drift_uncertainty over the window
-  double drift = 0;        // of the offset, per second: 1e-6 is 1 ppm; 0 while it does not stand out
+  double drift = 0;  // of the offset, per second: 1e-6 is 1 ppm; 0 while it does not stand out
   double drift_uncertainty = 0;
 };
 
@@ -52,10 +52,10 @@ class ClockSync {
  public:
   static constexpr Duration kGrain = std::chrono::milliseconds(250);
   static constexpr Duration kWindow = 40 * kGrain;
-  static constexpr std::size_t kHistory = 128;     // grains the drift is fitted over
-  static constexpr std::size_t kFewest = 8;        // below, no drift is fitted
-  static constexpr double kUsualDrift = 100e-6;    // between two quartz clocks; assumed at first
-  static constexpr double kLargestDrift = 1e-3;    // beyond, it was no drift: all is forgotten
+  static constexpr std::size_t kHistory = 128;   // grains the drift is fitted over
+  static constexpr std::size_t kFewest = 8;      // below, no drift is fitted
+  static constexpr double kUsualDrift = 100e-6;  // between two quartz clocks; assumed at first
+  static constexpr double kLargestDrift = 1e-3;  // beyond, it was no drift: all is forgotten
   static constexpr double kShrink = 3;
   static constexpr Duration kFinest = std::chrono::microseconds(20);  // no step is smaller
 

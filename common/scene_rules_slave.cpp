@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "common/address.hpp"
+#include "common/scene_network.hpp"
 #include "common/scene_rules.hpp"
 
 namespace farhand {
@@ -170,6 +171,13 @@ void link_rules(Rules& r) {
       r, "burst_leave_ratio",
       [](const I& i) { return i.burst_enter_ratio() > 0 && i.burst_leave_ratio() == 0; },
       "means that the first burst of losses never ends", "give more than 0");
+  rule<I>(
+      r, "blackout", [](const I& i) { return i.blackout_size() > kMaxBlackouts; },
+      "has more than 8 entries", "give fewer, or one with a period_s");
+  using B = proto::Blackout;
+  rule<B>(
+      r, "period_s", [](const B& b) { return b.period_s() > 0 && b.period_s() <= b.length_s(); },
+      "is not more than length_s, so nothing ever passes", "raise it, or leave it out");
 }
 
 }  // namespace

@@ -49,6 +49,19 @@ std::string bind_remedy(const error_code& ec) {
   return "choose an address of this host, or 0.0.0.0 for all of them";
 }
 
+bool poll_until(std::span<pollfd> fds, TimePoint deadline) noexcept {
+  for (;;) {
+    const TimePoint now = std::chrono::steady_clock::now();
+    const Duration left = std::max(deadline - now, Duration::zero());
+    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
+                           .tv_nsec = static_cast<long>((left - whole).count())};
+    const int ready = ppoll(fds.data(), fds.size(), &timeout, nullptr);
+    if (ready > 0) return true;
+    if (ready == 0 && left == Duration::zero()) return false;
+  }
+}
+
 }  // namespace
 
 UdpAddress parse_udp_address(const std::string& text) {
@@ -160,16 +173,14 @@ std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffe
 
 bool UdpSocket::wait_readable(TimePoint deadline) noexcept {
   pollfd fd{.fd = state_->socket.native_handle(), .events = POLLIN, .revents = 0};
-  for (;;) {
-    const TimePoint now = std::chrono::steady_clock::now();
-    const Duration left = std::max(deadline - now, Duration::zero());
-    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
-                           .tv_nsec = static_cast<long>((left - whole).count())};
-    const int ready = ppoll(&fd, 1, &timeout, nullptr);
-    if (ready > 0) return true;
-    if (ready == 0 && left == Duration::zero()) return false;
-  }
+  return poll_until(std::span(&fd, 1), deadline);
+}
+
+bool UdpSocket::wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept {
+  std::array<pollfd, 2> fds{
+      pollfd{.fd = a.state_->socket.native_handle(), .events = POLLIN, .revents = 0},
+      pollfd{.fd = b.state_->socket.native_handle(), .events = POLLIN, .revents = 0}};
+  return poll_until(fds, deadline);
 }
 
 }  // namespace farhand

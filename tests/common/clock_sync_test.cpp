@@ -86,7 +86,8 @@ struct Errors {
 
 constexpr int kSeeds = 300;
 
-// At each of `times`, over the seeds, with the jitter of the acceptance figures: 5 ms mean each way.
+// At each of `times`, over the seeds, with the jitter of the acceptance figures: 5 ms mean each
+// way.
 std::vector<Errors> errors_after(const std::vector<Duration>& times, double drift) {
   const Path path{.offset = -42s, .there = 10ms, .back = 10ms, .jitter = 5e-3, .drift = drift};
   std::vector<Errors> out(times.size());
@@ -96,8 +97,8 @@ std::vector<Errors> errors_after(const std::vector<Duration>& times, double drif
     for (std::size_t i = 0; i < times.size(); ++i) {
       run(sync, random, path, i == 0 ? 0s : times[i - 1], times[i]);
       const ClockEstimate clock = sync.estimate();
-      const double error = microseconds(clock.offset - path.offset) -
-                           1e6 * drift * (seconds(times[i]) + 0.02);
+      const double error =
+          microseconds(clock.offset - path.offset) - 1e6 * drift * (seconds(times[i]) + 0.02);
       out[i].add(error);
       EXPECT_LE(std::abs(error), microseconds(clock.uncertainty));
     }
@@ -138,7 +139,7 @@ TEST(ClockSync, WithoutJitterADriftIsExact) {
     const ClockEstimate clock = sync.estimate();
     EXPECT_NEAR(clock.drift, drift, 1e-9);
     EXPECT_NEAR(microseconds(clock.offset), 1e6 * drift * 20, 0.2);  // in 0.2 ms and a round trip
-    EXPECT_NEAR(microseconds(clock.round_trip), 100, 0.1);  // one clock only: no drift
+    EXPECT_NEAR(microseconds(clock.round_trip), 100, 0.1);           // one clock only: no drift
     EXPECT_NEAR(microseconds(clock.uncertainty), 50, 0.1);
   }
 }
