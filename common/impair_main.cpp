@@ -37,6 +37,8 @@ ImpairmentConfig parse(const std::string& argument, const std::string& text) {
     throw std::invalid_argument(argument + " '" + text + "': " + error.text +
                                 "; write fields of message Impairment in proto/scene.proto, such "
                                 "as 'delay_ms: 25 jitter_ms: 3 loss_ratio: 0.01'");
+  if (out.blackout_size() > 8)
+    throw std::invalid_argument(argument + ": more than 8 blackouts; give one with a period_s");
   return impairment_config(out);
 }
 

@@ -144,9 +144,9 @@ double Impairment::way_ms(TimePoint now) const noexcept {
 
 bool Impairment::blacked_out(TimePoint now) const noexcept {
   for (const Blackout& b : config_.blackouts) {
-    const double into = seconds(now - *begin_) - b.at_s;
-    if (into >= 0 && (b.period_s > 0 ? std::fmod(into, b.period_s) : into) < b.length_s)
-      return true;
+    const Duration into = now - *begin_ - from_seconds(b.at_s), period = from_seconds(b.period_s);
+    if (into < Duration::zero()) continue;
+    if ((period > Duration::zero() ? into % period : into) < from_seconds(b.length_s)) return true;
   }
   return false;
 }

@@ -65,10 +65,10 @@ ImpairmentConfig impairment_config(const proto::Impairment& i) {
                        .cap_kbit_per_s = i.rate_cap().kbit_per_s(),
                        .cap_burst_bytes = i.rate_cap().burst_bytes(),
                        .cap_queue_bytes = i.rate_cap().queue_bytes()};
-  for (int k = 0; k < std::min(i.blackout_size(), kMaxBlackouts); ++k) {
-    const proto::Blackout& b = i.blackout(k);
-    out.blackouts[static_cast<std::size_t>(k)] = {b.at_s(), b.length_s(), b.period_s()};
-  }
+  std::transform(i.blackout().begin(), i.blackout().end(), out.blackouts.begin(),
+                 [](const proto::Blackout& b) {
+                   return Blackout{b.at_s(), b.length_s(), b.period_s()};
+                 });
   return out;
 }
 

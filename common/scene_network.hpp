@@ -10,8 +10,6 @@
 
 namespace farhand {
 
-inline constexpr int kMaxBlackouts = static_cast<int>(ImpairmentConfig{}.blackouts.size());
-
 ImpairmentConfig impairment_config(const proto::Impairment& impairment);
 
 // Nothing for a way that the link leaves out.

@@ -1,7 +1,6 @@
 #include <numbers>
 
 #include "common/address.hpp"
-#include "common/scene_network.hpp"
 #include "common/scene_rules.hpp"
 
 namespace farhand {
@@ -171,9 +170,6 @@ void link_rules(Rules& r) {
       r, "burst_leave_ratio",
       [](const I& i) { return i.burst_enter_ratio() > 0 && i.burst_leave_ratio() == 0; },
       "means that the first burst of losses never ends", "give more than 0");
-  rule<I>(
-      r, "blackout", [](const I& i) { return i.blackout_size() > kMaxBlackouts; },
-      "has more than 8 entries", "give fewer, or one with a period_s");
   using B = proto::Blackout;
   rule<B>(
       r, "period_s", [](const B& b) { return b.period_s() > 0 && b.period_s() <= b.length_s(); },

@@ -241,7 +241,6 @@ TEST(Impairment, AChangeOfOneLeavesTheJitterOfAllOthersAlone) {
   const auto before = ways(plain, 3000);
   ImpairmentConfig lossy = plain, capped = plain, dark = plain, spiky = plain;
   lossy.loss_ratio = 0.1, lossy.burst_enter_ratio = 0.01, lossy.burst_leave_ratio = 0.2;
-  lossy.corrupt_ratio = 0.3;
   capped.cap_kbit_per_s = 1e5;  // enough for all
   dark.blackouts[0] = {.at_s = 1, .length_s = 0.2};
   spiky.spike_ms = 1e-6;
