@@ -1,6 +1,7 @@
 #include "common/udp.hpp"
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
@@ -62,6 +63,13 @@ bool poll_until(std::span<pollfd> fds, TimePoint deadline) noexcept {
   }
 }
 
+// A connected socket keeps the address it first sent from, also when the host has lost it.
+bool may_have_lost_its_address(const error_code& ec) noexcept {
+  namespace errc = boost::system::errc;
+  return ec == errc::invalid_argument || ec == errc::address_not_available ||
+         ec == errc::network_unreachable || ec == errc::destination_address_required;
+}
+
 }  // namespace
 
 UdpAddress parse_udp_address(const std::string& text) {
@@ -89,6 +97,13 @@ struct UdpSocket::State {
   udp::endpoint peer_endpoint;
   bool fixed = false;
   UdpCounters counters;
+
+  // Sends from whatever address this host now has towards the peer.
+  void reconnect(error_code& ec) noexcept {
+    const sockaddr none{.sa_family = AF_UNSPEC, .sa_data = {}};
+    ::connect(socket.native_handle(), &none, sizeof none);
+    socket.connect(peer_endpoint, ec);
+  }
 };
 
 UdpSocket::UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& fixed_peer)
@@ -144,6 +159,10 @@ bool UdpSocket::send(std::span<const std::byte> datagram) noexcept {
     ++s.counters.refused;
     attempt();
   }
+  if (s.fixed && may_have_lost_its_address(ec)) {
+    s.reconnect(ec);
+    if (!ec) attempt();
+  }
   if (!ec) ++s.counters.sent;
   if (ec == asio::error::would_block) ++s.counters.send_would_block;
   if (ec && ec != asio::error::would_block) ++s.counters.send_failed;
@@ -160,6 +179,12 @@ std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffe
   std::size_t size = attempt();
   if (ec == asio::error::connection_refused) {
     ++s.counters.refused;
+    size = attempt();
+  }
+  // While no address leads to the peer, the kernel lets strangers in.
+  constexpr int kMostStrangers = 64;
+  for (int i = 0; !ec && s.fixed && from != s.peer_endpoint; ++i) {
+    if (i == kMostStrangers) return std::nullopt;
     size = attempt();
   }
   if (ec == asio::error::would_block) return std::nullopt;

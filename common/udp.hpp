@@ -51,7 +51,8 @@ class UdpSocket {
 
   // Binds to `local` (port 0: any free one). With a fixed peer the kernel drops what others send;
   // without one, tell set_peer who sent the last datagram that was accepted. Throws a sentence
-  // naming the address and the remedy.
+  // naming the address and the remedy. If this host gets another address, a socket bound to all of
+  // them (0.0.0.0) sends on from that, possibly from another port.
   explicit UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& fixed_peer = {});
   ~UdpSocket();
   UdpSocket(UdpSocket&&) noexcept;
