@@ -93,6 +93,11 @@ void SecureChannel::pass_on() {
   }
 }
 
+void send_handshake(SecureChannel* channel, UdpSocket& socket) noexcept {
+  if (channel == nullptr) return;
+  while (const DtlsOutgoing* out = channel->outgoing()) socket.send_to(out->datagram(), out->to);
+}
+
 void SecureChannel::publish() noexcept {
   if (made_.load(std::memory_order_acquire) != nullptr) return;
   delete retired_.exchange(nullptr, std::memory_order_relaxed);

@@ -66,4 +66,7 @@ class SecureChannel {
   std::optional<TimePoint> heard_;
 };
 
+// Sends what a handshake has to say. Nothing without a channel.
+void send_handshake(SecureChannel* channel, UdpSocket& socket) noexcept;
+
 }  // namespace farhand
