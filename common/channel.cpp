@@ -15,7 +15,7 @@ constexpr std::size_t kLengthAt = 4;
 
 std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> datagram) noexcept {
   const std::size_t size = payload.size() + kOverhead;
-  if (payload.empty() || size > kMaxDatagramBytes || size > datagram.size()) return 0;
+  if (payload.empty() || payload.size() > kMaxPayloadBytes || size > datagram.size()) return 0;
   store_little_endian(kMagic, datagram.data());
   store_little_endian(static_cast<std::uint16_t>(payload.size()), &datagram[kLengthAt]);
   std::copy(payload.begin(), payload.end(), &datagram[kChannelHeaderBytes]);

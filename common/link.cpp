@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "common/channel.hpp"
+#include "common/secure_channel.hpp"
 
 namespace farhand {
 namespace {
@@ -55,7 +56,14 @@ std::span<const std::byte> Link<Out, In>::encode(const Out& message, TimePoint n
   const std::size_t size = codec_.encode(header, message, payload);
   if (size == 0) ++counters_.refused_to_send;
   if (size > 0) ++sequence_;
-  return std::span(data_).first(seal(std::span(payload).first(size), data_));
+  return sealed(std::span(payload).first(size), data_);
+}
+
+template <typename Out, typename In>
+std::span<const std::byte> Link<Out, In>::sealed(std::span<const std::byte> payload,
+                                                 Datagram& to) noexcept {
+  return std::span(to).first(config_.secure ? config_.secure->seal(payload, to)
+                                            : seal(payload, to));
 }
 
 template <typename Out, typename In>
@@ -69,7 +77,7 @@ std::span<const std::byte> Link<Out, In>::hello_due(TimePoint now) noexcept {
                                           .scene_hash = config_.scene_hash,
                                           .capabilities = config_.capabilities},
                                          payload);
-  return std::span(hello_).first(seal(std::span(payload).first(size), hello_));
+  return sealed(std::span(payload).first(size), hello_);
 }
 
 template <typename Out, typename In>
@@ -82,7 +90,8 @@ Verdict Link<Out, In>::receive(std::span<const std::byte> datagram, TimePoint no
 
 template <typename Out, typename In>
 Verdict Link<Out, In>::judge(std::span<const std::byte> datagram, TimePoint now) noexcept {
-  const Opened opened = open(datagram, payload_);
+  const Opened opened =
+      config_.secure ? config_.secure->open(datagram, payload_) : open(datagram, payload_);
   if (opened.verdict != Verdict::accepted) return opened.verdict;
   const std::span<const std::byte> payload = std::span(payload_).first(opened.size);
   switch (static_cast<PayloadType>(payload[0])) {

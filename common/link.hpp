@@ -20,12 +20,15 @@
 
 namespace farhand {
 
+class SecureChannel;
+
 struct LinkConfig {
   std::uint64_t session = 0;  // random, not 0, another one at every start
   std::uint64_t scene_hash = 0;
   std::uint32_t capabilities = 0;
   Duration hello_period = std::chrono::milliseconds(100);
   Duration silence = std::chrono::milliseconds(500);  // without data for so long: hello again
+  SecureChannel* secure = nullptr;                    // borrowed; nullptr: the plain channel
 };
 
 // received == accepted() + dropped(), always.
@@ -96,6 +99,9 @@ class Link {
   // Hellos are exchanged and the peer's data has answered our session. Silence does not end it.
   bool connected() const noexcept { return newest_.has_value(); }
 
+  // Seals and opens this link's datagrams; nullptr: the plain channel does.
+  SecureChannel* secure() const noexcept { return config_.secure; }
+
   // Of the last datagram encoded.
   std::uint64_t sequence() const noexcept { return sequence_; }
 
@@ -108,6 +114,7 @@ class Link {
  private:
   using Datagram = std::array<std::byte, kMaxDatagramBytes>;
 
+  std::span<const std::byte> sealed(std::span<const std::byte> payload, Datagram& to) noexcept;
   Verdict judge(std::span<const std::byte> datagram, TimePoint now) noexcept;
   Verdict on_hello(std::span<const std::byte> payload) noexcept;
   Verdict on_data(std::span<const std::byte> payload, TimePoint now) noexcept;

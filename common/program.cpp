@@ -78,16 +78,36 @@ void refuse_addresses(const ProgramOptions& options, const Scene& scene) {
                              (options.slave ? "--slave" : "--listen"));
 }
 
-UdpAddress plain_address(const std::optional<std::string>& flag, const std::string& scenes,
-                         const Scene& scene) {
+UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
+                        const Scene& scene) {
   const std::string& text = flag ? *flag : scenes;
   const auto address = parse_address(text);
-  if (address && !address->loopback && !scene.proto.link().insecure())
+  const auto& link = scene.proto.link();
+  if (address && !address->loopback && !link.has_key_file() && !link.insecure())
     throw std::runtime_error(
         text +
         " reaches beyond this machine, and plain datagrams are neither encrypted nor "
-        "authenticated; say link { insecure: true } in the scene if the network is your own");
+        "authenticated: make a key with farhand-keygen and say link { key_file: \"...\" } in the "
+        "scene, or insecure: true if the network is your own");
   return parse_udp_address(text);
+}
+
+std::unique_ptr<SecureService> make_secure(const Scene& scene,
+                                           const std::optional<UdpAddress>& server) {
+  const auto& link = scene.proto.link();
+  if (link.has_key_file())
+    return std::make_unique<SecureService>(
+        SecureChannelConfig{.server = server},
+        load_key(std::filesystem::path(scene.path).parent_path() / link.key_file()));
+  if (link.insecure())
+    spdlog::warn(
+        "the link is insecure: whoever reaches its port can move the robot; make a key with "
+        "farhand-keygen and name it in the scene instead: link {{ key_file: \"...\" }}");
+  return nullptr;
+}
+
+std::string with_key(const SecureService* secure) {
+  return secure == nullptr ? "" : ", key " + secure->key_name();
 }
 
 void announce(const Scene& scene, const std::string& where) {

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/scene.hpp"
+#include "common/secure_service.hpp"
 #include "common/time.hpp"
 #include "common/udp.hpp"
 
@@ -53,9 +55,17 @@ void require_slave(const Scene& scene);
 void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 
 // The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this
-// machine and the scene does not say insecure.
-UdpAddress plain_address(const std::optional<std::string>& flag, const std::string& scenes,
-                         const Scene& scene);
+// machine and the scene neither names a key file nor says insecure.
+UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
+                        const Scene& scene);
+
+// The secure channel of a scene that names a key file, of the client of `server` or of a server;
+// nullptr for any other, with a warning if it says insecure. Throws as load_key does.
+std::unique_ptr<SecureService> make_secure(const Scene& scene,
+                                           const std::optional<UdpAddress>& server = {});
+
+// ", key 01234567", or nothing.
+std::string with_key(const SecureService* secure);
 
 // Start-up line and warnings, on stderr.
 void announce(const Scene& scene, const std::string& where);

@@ -123,11 +123,22 @@ void address_rules(Rules& r) {
         "and a port from 0 to 65535");
     rule<Link>(
         r, name,
-        parsed(text, [](const Link& l, const Address& a) { return !a.loopback && !l.insecure(); }),
+        parsed(text,
+               [](const Link& l, const Address& a) {
+                 return !a.loopback && !l.has_key_file() && !l.insecure();
+               }),
         "is beyond this machine, and plain datagrams are unauthenticated and unencrypted: whoever "
         "reaches the port can move the robot",
-        "stay on 127.0.0.1, or add insecure: true to the link on a network you trust");
+        "make a key with farhand-keygen and add key_file: \"...\" to the link, stay on 127.0.0.1, "
+        "or "
+        "add insecure: true on a network you trust");
   }
+  rule<Link>(
+      r, "key_file", [](const Link& l) { return l.has_key_file() && l.key_file().empty(); },
+      "names no file", "name one made by farhand-keygen, or leave it out");
+  rule<Link>(
+      r, "insecure", [](const Link& l) { return l.has_key_file() && l.insecure(); },
+      "contradicts key_file", "leave out one of the two");
   rule<Link>(
       r, "slave_address",
       parsed(&Link::slave_address, [](const Link&, const Address& a) { return a.port == 0; }),

@@ -169,6 +169,15 @@ bool UdpSocket::send(std::span<const std::byte> datagram) noexcept {
   return !ec;
 }
 
+bool UdpSocket::send_to(std::span<const std::byte> datagram, const UdpAddress& to) noexcept {
+  const std::optional<UdpAddress> peer = state_->peer;
+  set_peer(to);
+  const bool sent = send(datagram);
+  if (peer) set_peer(*peer);
+  if (!peer) state_->peer.reset();
+  return sent;
+}
+
 std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffer) noexcept {
   State& s = *state_;
   udp::endpoint from;

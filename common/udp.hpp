@@ -66,6 +66,9 @@ class UdpSocket {
   // the system refuses. An empty datagram is not sent.
   bool send(std::span<const std::byte> datagram) noexcept;
 
+  // The same to another address, without effect on the peer; to the peer if it is fixed.
+  bool send_to(std::span<const std::byte> datagram, const UdpAddress& to) noexcept;
+
   // The oldest datagram waiting, or nothing. Longer ones are cut to the buffer's size.
   std::optional<Received> receive(std::span<std::byte> buffer) noexcept;
 

@@ -17,8 +17,10 @@ inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian li
 inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
 inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
 inline constexpr std::size_t kChannelTrailerBytes = 4;  // CRC-32C of all before it
+inline constexpr std::size_t kDtlsHeaderBytes = 13;     // type, version, epoch, sequence, length
+inline constexpr std::size_t kDtlsTagBytes = 16;        // Poly1305
 inline constexpr std::size_t kMaxPayloadBytes =
-    kMaxDatagramBytes - kChannelHeaderBytes - kChannelTrailerBytes;
+    kMaxDatagramBytes - kDtlsHeaderBytes - kDtlsTagBytes;  // fits the plain frame too
 
 // Payload sizes, type byte included. A payload of another size is refused.
 inline constexpr std::size_t kHelloBytes = 31;
@@ -105,6 +107,10 @@ enum class Verdict : std::uint8_t {
   bad_magic,        // not ours
   bad_length,       // cut off or extended
   bad_checksum,     // changed on the way
+  wrong_content,    // a record of DTLS, but none of data
+  wrong_epoch,      // a record from before the handshake's end
+  not_connected,    // a sealed record, and no secure connection stands
+  not_authentic,    // forged, changed, of another connection, or seen before
   unexpected_type,  // no such payload
   wrong_role,       // from a side like ourselves
   malformed,        // size, missing field, array length, not finite, not a rotation, unknown value
@@ -120,10 +126,10 @@ inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::older
 
 constexpr const char* to_string(Verdict v) noexcept {
   constexpr std::array<const char*, kVerdicts> kNames = {
-      "accepted",        "too short",     "too long",        "bad magic",
-      "bad length",      "bad checksum",  "unexpected type", "wrong role",
-      "malformed",       "wrong version", "wrong scene",     "foreign session",
-      "other recipient", "bad echo",      "duplicate",       "older"};
+      "accepted",        "too short",       "too long",    "bad magic",     "bad length",
+      "bad checksum",    "wrong content",   "wrong epoch", "not connected", "not authentic",
+      "unexpected type", "wrong role",      "malformed",   "wrong version", "wrong scene",
+      "foreign session", "other recipient", "bad echo",    "duplicate",     "older"};
   return kNames[static_cast<std::size_t>(v)];
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "common/secure_channel.hpp"
+
 namespace farhand {
 
 MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device,
@@ -99,6 +101,7 @@ Peer<SlaveToMaster> MasterLoop::slave(TimePoint now) const noexcept {
 
 void MasterLoop::send(const MasterToSlave& message) noexcept {
   if (link_ == nullptr) return;
+  send_handshake(link_->secure(), *socket_);
   const TimePoint now = monotonic_now();
   socket_->send(link_->hello_due(now));
   const auto datagram = link_->encode(message, now);
@@ -123,7 +126,9 @@ void MasterLoop::receive() noexcept {
   for (int i = 0; i < kBurst; ++i) {
     const auto got = socket_->receive(buffer);
     if (!got) return;
-    link_->receive(std::span(buffer).first(got->size), monotonic_now());
+    const auto datagram = std::span(buffer).first(got->size);
+    if (link_->secure() != nullptr && link_->secure()->take(datagram, got->from)) continue;
+    link_->receive(datagram, monotonic_now());
   }
 }
 

@@ -21,16 +21,19 @@ int main(int argc, char** argv) {
         const MasterLoopConfig loop = master_loop_config(scene.proto);
         std::optional<MasterLink> link;
         std::optional<UdpSocket> socket;
+        std::unique_ptr<SecureService> secure;
         if (!scene.proto.has_slave()) {
           refuse_addresses(options, scene);
         } else {
           const auto capabilities = wants_force(master.config()) ? kForceWanted : 0u;
+          socket.emplace(link_address(options.listen, scene.proto.link().master_address(), scene),
+                         link_address(options.slave, scene.proto.link().slave_address(), scene));
+          secure = make_secure(scene, socket->peer());
           link.emplace(LinkConfig{.session = random_session(),
                                   .scene_hash = scene.shared_hash,
                                   .capabilities = capabilities,
-                                  .silence = loop.lost});
-          socket.emplace(plain_address(options.listen, scene.proto.link().master_address(), scene),
-                         plain_address(options.slave, scene.proto.link().slave_address(), scene));
+                                  .silence = loop.lost,
+                                  .secure = secure ? &secure->channel() : nullptr});
         }
         std::optional<RecordingFile> file;
         std::optional<MasterRecording> recording;
@@ -45,8 +48,8 @@ int main(int argc, char** argv) {
           if (recording) recording->add(r);
         });
 
-        announce(scene,
-                 socket ? "slave at " + to_string(*socket->peer()) : "no slave in this scene");
+        announce(scene, socket ? "slave at " + to_string(*socket->peer()) + with_key(secure.get())
+                               : "no slave in this scene");
         warn_each(enter_realtime(kLoopPriority));
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
                    recorder)

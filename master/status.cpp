@@ -40,7 +40,8 @@ std::string summary_rows(const MasterSummary& s) {
   return out + limit_row(s.limits);
 }
 
-// A slave never answers a stranger, nor a master with another scene: only the silence can be told.
+// A slave never answers a stranger, nor a master with another scene, and one without our key says
+// nothing that we understand: only the silence can be told.
 void MasterStatus::watch_silence(const MasterRecord& r) {
   constexpr Duration kPatience = std::chrono::seconds(3);
   if (summary_.ticks == 1) first_ = r.tick.now;
@@ -48,7 +49,8 @@ void MasterStatus::watch_silence(const MasterRecord& r) {
       r.tick.now - first_ < kPatience)
     return;
   silence_told_ = true;
-  spdlog::warn("no answer from the slave: is it running, at that address, with the same scene?");
+  spdlog::warn(
+      "no answer from the slave: is it running, at that address, with the same scene and key?");
 }
 
 void MasterStatus::add(const MasterRecord& r) {

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "common/secure_channel.hpp"
+
 namespace farhand {
 
 SlaveLoop::SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link,
@@ -94,12 +96,14 @@ void SlaveLoop::receive() noexcept {
   for (int i = 0; i < kBurst; ++i) {
     const auto got = socket_.receive(buffer);
     if (!got) return;
-    if (link_.receive(std::span(buffer).first(got->size), monotonic_now()) == Verdict::accepted)
-      socket_.set_peer(got->from);
+    const auto datagram = std::span(buffer).first(got->size);
+    if (link_.secure() != nullptr && link_.secure()->take(datagram, got->from)) continue;
+    if (link_.receive(datagram, monotonic_now()) == Verdict::accepted) socket_.set_peer(got->from);
   }
 }
 
 void SlaveLoop::send() noexcept {
+  send_handshake(link_.secure(), socket_);
   const TimePoint now = monotonic_now();
   socket_.send(link_.hello_due(now));
   socket_.send(link_.encode(record_->tick.out, now));

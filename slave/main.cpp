@@ -20,9 +20,12 @@ int main(int argc, char** argv) {
         Slave slave(slave_config(scene.proto));
         AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
         const SlaveLoopConfig loop = slave_loop_config(scene.proto);
-        SlaveLink link(
-            {.session = random_session(), .scene_hash = scene.shared_hash, .silence = loop.lost});
-        UdpSocket socket(plain_address(options.listen, scene.proto.link().slave_address(), scene));
+        UdpSocket socket(link_address(options.listen, scene.proto.link().slave_address(), scene));
+        const auto secure = make_secure(scene);
+        SlaveLink link({.session = random_session(),
+                        .scene_hash = scene.shared_hash,
+                        .silence = loop.lost,
+                        .secure = secure ? &secure->channel() : nullptr});
         std::optional<RecordingFile> file;
         std::optional<SlaveRecording> recording;
         if (options.record) {
@@ -35,7 +38,7 @@ int main(int argc, char** argv) {
           if (recording) recording->add(r);
         });
 
-        announce(scene, "listening on " + to_string(socket.local()));
+        announce(scene, "listening on " + to_string(socket.local()) + with_key(secure.get()));
         warn_each(enter_realtime(kLoopPriority));
         SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();

@@ -312,6 +312,9 @@ inline std::vector<BrokenScene> broken_scenes() {
        "would not know where to send"},
       {with_link("slave_address: @\"10.0.0.2:47810\""), "link.slave_address", "unauthenticated"},
       {with_link("master_address: @\"[::]:47811\""), "link.master_address", "add insecure: true"},
+      {with_link("slave_address: @\"10.0.0.2:47810\""), "link.slave_address", "farhand-keygen"},
+      {with_link("key_file: @\"\""), "link.key_file", "names no file"},
+      {with_link("key_file: \"a.key\" insecure: @true"), "link.insecure", "contradicts key_file"},
       {with_link(
            "insecure: true slave_address: \"10.0.0.2:47810\"\n master_address: @\"127.0.0.1:0\""),
        "link.master_address", "0.0.0.0:0"},

@@ -115,6 +115,23 @@ TEST(UdpSocket, WithoutAPeerNothingIsSent) {
   EXPECT_EQ(a.counters().sent, 0u);
 }
 
+TEST(UdpSocket, ReachesOthersThanItsPeerAndKeepsIt) {
+  UdpSocket a(kAnyPort), b(kAnyPort), c(kAnyPort);
+  Buffer buffer;
+  EXPECT_TRUE(a.send_to(pattern(3), b.local()));
+  EXPECT_TRUE(receive_soon(b, buffer));
+  EXPECT_FALSE(a.peer());
+  a.set_peer(b.local());
+  EXPECT_TRUE(a.send_to(pattern(3), c.local()));
+  EXPECT_TRUE(receive_soon(c, buffer));
+  EXPECT_EQ(a.peer(), b.local());
+  EXPECT_TRUE(a.send(pattern(3)));
+  EXPECT_TRUE(receive_soon(b, buffer));
+  UdpSocket fixed(kAnyPort, b.local());
+  EXPECT_TRUE(fixed.send_to(pattern(3), c.local()));
+  EXPECT_TRUE(receive_soon(b, buffer));
+}
+
 TEST(UdpSocket, ADatagramTooLongShowsAsSuch) {
   UdpSocket a(kAnyPort), b(kAnyPort, a.local());
   Buffer buffer;

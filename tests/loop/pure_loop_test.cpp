@@ -1,9 +1,9 @@
 // Master and slave of the fullest scene take 60 000 turns each over sockets of this machine, in
-// real time, each on a thread under guard (tests/support/purity.hpp). The scene runs at 4000 Hz, so
-// that the test takes about 15 s. Ageing is switched off: a machine that stalls the test shall not
-// end the engagement and with it what is tested. The machine may make turns late at any time; each
-// late turn reads the processor clock once, which is the one system call let through beyond the
-// socket's and the sleep's, and is counted here against the overruns recorded.
+// real time, encrypted, each on a thread under guard (tests/support/purity.hpp). The scene runs at
+// 4000 Hz, so that the test takes about 15 s. Ageing is switched off: a machine that stalls the
+// test shall not end the engagement and with it what is tested. The machine may make turns late at
+// any time; each late turn reads the processor clock once, which is the one system call let through
+// beyond the socket's and the sleep's, and is counted here against the overruns recorded.
 #include <gtest/gtest.h>
 
 #include "tests/support/purity.hpp"
@@ -23,6 +23,7 @@ TEST(PureLoop, TurnsNeitherAllocateNorLockNorCallTheSystem) {
 #include "common/program.hpp"
 #include "master/build.hpp"
 #include "slave/build.hpp"
+#include "tests/support/dtls_ends.hpp"
 
 namespace farhand {
 namespace {
@@ -88,8 +89,10 @@ void run_both_sides(Figures& figures) {
 
   Slave slave(ageless(slave_config(scene.proto)));
   AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
-  SlaveLink slave_link({.session = 2, .scene_hash = scene.shared_hash});
   UdpSocket slave_socket(here);
+  SecureService slave_secure({}, test_key(1));
+  SlaveLink slave_link(
+      {.session = 2, .scene_hash = scene.shared_hash, .secure = &slave_secure.channel()});
   Recorder<SlaveRecord> slave_recorder([&](const SlaveRecord& r) {
     count(figures.slave, r, r.tick.coupled, r.tick.F_E_S.force.norm() > 1);
   });
@@ -98,8 +101,10 @@ void run_both_sides(Figures& figures) {
 
   Master master(ageless(master_config(scene.proto)));
   AnyDevice device = make_device(scene, {}, scene.proto.seed());
-  MasterLink master_link({.session = 1, .scene_hash = scene.shared_hash});
   UdpSocket master_socket(here, slave_socket.local());
+  SecureService master_secure({.server = slave_socket.local()}, test_key(1));
+  MasterLink master_link(
+      {.session = 1, .scene_hash = scene.shared_hash, .secure = &master_secure.channel()});
   Recorder<MasterRecord> master_recorder([&](const MasterRecord& r) {
     count(figures.master, r, r.tick.coupled, r.tick.F_G.force.norm() > 1);
   });

@@ -112,6 +112,64 @@ refused 'loss_ratio.*from 0' --listen 127.0.0.1:0 --to "127.0.0.1:$port" --to-sl
 refused 'no.textproto' --listen 127.0.0.1:0 --to "127.0.0.1:$port" --scene no.textproto
 pass "the relay refuses wrong arguments by their names"
 
+# keyed NAME: the scene with $dir/NAME.key.
+keyed() {
+  { echo "link { key_file: \"$1.key\" }"; cat "$scene"; } >"$dir/$1.textproto"
+  echo "$dir/$1.textproto"
+}
+"$bin/farhand-keygen" "$dir/one.key" >/dev/null
+"$bin/farhand-keygen" "$dir/two.key" >/dev/null
+"$bin/farhand-keygen" "$dir/one.key" >/dev/null 2>&1 && fail "farhand-keygen overwrote a key"
+one="$(keyed one)"
+
+start_slave "$one"
+start_master "$one"
+wait_for slave 'READY -> ENGAGED' 1
+wait_for master 'READY -> ENGAGED' 1
+before="$(grep -c 'ENGAGED$' "$dir/slave" || true)"
+kill -9 "$master"
+wait "$master" 2>/dev/null || true
+wait_for slave 'ENGAGED -> HOLDING' 1
+start_master "$one"
+wait_for slave 'READY -> ENGAGED' $((before + 1))
+before="$(grep -c 'ENGAGED$' "$dir/master" || true)"
+kill -9 "$slave"
+wait "$slave" 2>/dev/null || true
+start_slave "$one"
+wait_for master 'READY -> ENGAGED' $((before + 1))
+wait_for slave 'READY -> ENGAGED' 1
+mode_lines master | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the master engaged without a release"
+stop_both INT
+for side in master slave; do
+  grep -q "key $(sed -n 's/^# Farhand key \([0-9a-f]*\).*/\1/p' "$dir/one.key")" "$dir/$side" || fail "the $side did not name its key"
+done
+pass "with one key: engages, and again after kill -9 of either side"
+
+start_slave "$one"
+start_master "$(keyed two)"
+wait_for master 'the slave has another key than this side' 1
+wait_for slave 'a master that would connect has another key' 1
+wait_for master 'no answer from the slave' 1
+stop_both INT
+[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different keys left IDLE"
+grep -q 'farhand-keygen' "$dir/slave" || fail "the slave names no remedy"
+pass "different keys: both sides say so and stay idle"
+
+start_slave "$one"
+start_master
+wait_for master 'no answer from the slave' 1
+stop_both INT
+[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "a master without the key was heard"
+pass "a master without a key is not heard by a slave that has one"
+
+chmod 644 "$dir/two.key"
+start_master "$(keyed two)"
+wait "$master" && fail "a key that all may read was taken"
+grep -q 'chmod 600' "$dir/master" || fail "the master does not say what to do about the open key"
+"$bin/farhand-slave" "$scene" --quiet --listen "0.0.0.0:$port" >"$dir/slave" 2>&1 && fail "a plain link beyond this machine was taken"
+grep -q 'farhand-keygen' "$dir/slave" || fail "the slave does not say how to leave this machine"
+pass "an open key file and a plain link to the world are refused, with the remedy"
+
 # A disk of 1 MiB where that can be mounted out of everybody's sight, else a limit on the size of files.
 mkdir "$dir/disk"
 if unshare --mount mount -t tmpfs -o size=1m none "$dir/disk" 2>/dev/null; then

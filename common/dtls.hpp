@@ -1,0 +1,138 @@
+// DTLS 1.2 over OpenSSL without a socket and without a clock: datagrams and times in, datagrams
+// out. One cipher, ECDHE-PSK-CHACHA20-POLY1305 over X25519: both sides prove that they have the
+// key, and what was recorded stays secret if the key is lost later.
+//
+// In two parts, because they run in two places: a handshake allocates and computes for about a
+// millisecond, beside the loop; the session it makes seals and opens in the loop.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "common/channel.hpp"
+#include "common/key_file.hpp"
+#include "common/time.hpp"
+#include "common/udp.hpp"
+
+namespace farhand {
+
+struct DtlsConnection;
+struct DtlsContext;
+
+// What the clear header says: accepted for a record of data after a handshake, else why not. It is
+// not protected before the session opens the record.
+Verdict judge_record(std::span<const std::byte> datagram) noexcept;
+
+// The same for the datagrams of a handshake; no other need go to DtlsHandshake::receive.
+bool part_of_handshake(std::span<const std::byte> datagram) noexcept;
+
+// One authenticated connection. Nothing that arrives can end it: alerts and renegotiation are
+// dropped unread. Neither function allocates, not even on forged input.
+class DtlsSession {
+ public:
+  explicit DtlsSession(std::unique_ptr<DtlsConnection> connection) noexcept;
+  ~DtlsSession();
+
+  // As in common/channel.hpp. Each payload is opened once at most, by the other end's session only;
+  // one that comes more than 64 records late is refused too.
+  std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> datagram) noexcept;
+  Opened open(std::span<const std::byte> datagram, std::span<std::byte> payload) noexcept;
+
+ private:
+  std::unique_ptr<DtlsConnection> connection_;
+};
+
+enum class DtlsRole : std::uint8_t { client, server };
+
+struct DtlsConfig {
+  // A flight without an answer is sent again after so long; doubled each time, up to the second.
+  Duration resend = std::chrono::milliseconds(100);
+  Duration most_resend = std::chrono::milliseconds(400);
+  // A server keeps a handshake against those from other addresses for so long.
+  Duration protection = std::chrono::seconds(1);
+  // No handshake lasts longer.
+  Duration limit = std::chrono::seconds(5);
+};
+
+struct DtlsCounters {
+  std::uint64_t begun = 0;      // a server's: after the cookie only
+  std::uint64_t done = 0;       // authenticated
+  std::uint64_t failed = 0;     // ended by a datagram that was not right
+  std::uint64_t expired = 0;    // ended by the limit
+  std::uint64_t other_key = 0;  // the other side has, or says that we have, another key
+  std::uint64_t resent = 0;     // flights sent again
+  std::uint64_t ignored = 0;    // datagrams that belong to no handshake under way
+};
+
+struct DtlsOutgoing {
+  UdpAddress to;
+  std::array<std::byte, kMaxDatagramBytes> bytes{};
+  std::size_t size = 0;
+
+  std::span<const std::byte> datagram() const noexcept { return std::span(bytes).first(size); }
+};
+
+// Makes sessions, one handshake at a time and independent of those that exist.
+//
+// A server keeps nothing of a client before a cookie has shown that the client receives at its
+// address, and until then never answers with more bytes than it got. Alerts are not believed: they
+// are not protected. Same calls, same times: same datagrams but for the random numbers in them.
+class DtlsHandshake {
+ public:
+  // Throws a sentence if OpenSSL is without the cipher.
+  DtlsHandshake(DtlsRole role, const Key& key, const DtlsConfig& config = {});
+  ~DtlsHandshake();
+
+  // Client: begins with the server at `to` and goes on, as often as it takes, until a session is
+  // made. Without effect when under way.
+  void start(const UdpAddress& to, TimePoint now);
+
+  void receive(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  // What time alone brings about.
+  void tick(TimePoint now);
+
+  // The next datagram to send, or nullptr; valid until the next call of anything here. To be asked
+  // until there is none, after each of the calls above.
+  const DtlsOutgoing* outgoing() noexcept;
+  // The session made last, once; nullptr: none.
+  std::unique_ptr<DtlsSession> take_session() noexcept { return std::move(session_); }
+
+  const DtlsCounters& counters() const noexcept;
+
+ private:
+  void begin(TimePoint now);
+  void on_hello(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  bool prove(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  void on_alert(std::span<const std::byte> datagram) noexcept;
+  void step(std::span<const std::byte> datagram, TimePoint now);
+  void advance(std::span<const std::byte> record, TimePoint now);
+  void take_flight(TimePoint now);
+  void send_again() noexcept;
+  void end(std::uint64_t& reason, TimePoint now) noexcept;
+
+  DtlsConfig config_;
+  std::unique_ptr<DtlsContext> context_;
+  std::unique_ptr<DtlsConnection> listener_;  // server: without state, reads hellos
+  std::unique_ptr<DtlsConnection> pending_;
+  UdpAddress peer_;                    // of pending_, or of the one before
+  std::array<std::byte, 32> hello_{};  // its client's random number: tells attempts apart
+  TimePoint since_{};                  // its begin
+  std::optional<UdpAddress> server_;   // client: wanted
+  // Server: the last flight of a handshake that is done, sent again for each of the client's.
+  bool repeats_last_ = false;
+
+  std::array<DtlsOutgoing, 4> flight_;  // our last one
+  std::size_t flight_size_ = 0, next_ = 0;
+  Duration wait_{};
+  TimePoint again_at_{};
+  DtlsOutgoing reply_;  // to a hello without a cookie
+  bool reply_waits_ = false;
+
+  std::unique_ptr<DtlsSession> session_;
+};
+
+}  // namespace farhand

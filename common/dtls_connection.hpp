@@ -1,0 +1,52 @@
+// OpenSSL's side of common/dtls.hpp: only dtls_*.cpp include it.
+#pragma once
+
+#include <openssl/ssl.h>
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "common/dtls.hpp"
+
+namespace farhand {
+
+template <auto kFree>
+struct Freed {
+  template <typename T>
+  void operator()(T* t) const noexcept {
+    kFree(t);
+  }
+};
+
+// What all connections of one side share.
+struct DtlsContext {
+  DtlsContext(DtlsRole role, const Key& key);
+
+  Key key;
+  std::array<unsigned char, 32> cookie_secret{};
+  DtlsCounters counters;
+  std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>> ssl;
+};
+
+// One end with the datagrams it reads and writes. OpenSSL keeps its address.
+struct DtlsConnection {
+  explicit DtlsConnection(DtlsContext& of);
+
+  struct Datagram {
+    std::array<std::byte, kMaxDatagramBytes> bytes{};
+    std::size_t size = 0;
+  };
+  std::span<const std::byte> in;  // to be read; empty: nothing
+  bool peeking = false;           // reading leaves it there
+  std::array<Datagram, 4> out;    // written; what does not fit is lost, as on any network
+  std::size_t written = 0;
+
+  UdpAddress peer;                  // the cookie is for this address
+  std::uint64_t cookie_window = 0;  // and this time
+
+  std::unique_ptr<SSL, Freed<SSL_free>> ssl;
+};
+
+}  // namespace farhand

@@ -1,0 +1,350 @@
+// The handshake: over bad networks, against other keys, strangers, floods and restarts.
+#include "common/dtls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <numeric>
+
+#include "tests/support/dtls_ends.hpp"
+
+namespace farhand {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+const Key kKey = test_key(1), kOtherKey = test_key(2);
+
+std::size_t bytes_in(const std::vector<Bytes>& all) {
+  return std::accumulate(all.begin(), all.end(), std::size_t{0},
+                         [](std::size_t n, const Bytes& b) { return n + b.size(); });
+}
+
+bool is_data(const Bytes& datagram) {
+  return judge_record(datagram) == Verdict::accepted;
+}
+
+bool passes(DtlsSession& from, DtlsSession& to, std::uint64_t seed) {
+  const Bytes payload = some_payload(seed);
+  std::array<std::byte, kMaxPayloadBytes> opened;
+  const Opened got = to.open(sealed(from, payload), opened);
+  return got.verdict == Verdict::accepted && got.size == payload.size() &&
+         std::equal(payload.begin(), payload.end(), opened.begin());
+}
+
+TEST(Dtls, ConnectsInThreeExchanges) {
+  DtlsEnds ends(kKey, kKey);
+  ASSERT_TRUE(ends.run(milliseconds(10)));
+  EXPECT_TRUE(passes(*ends.client_session, *ends.server_session, 1));
+  EXPECT_TRUE(passes(*ends.server_session, *ends.client_session, 2));
+  EXPECT_EQ(ends.client_sent.size(), 3u);
+  EXPECT_EQ(ends.client.counters().done, 1u);
+  EXPECT_EQ(ends.server.counters().done, 1u);
+  std::printf("client %zu datagrams, %zu bytes; server %zu datagrams, %zu bytes\n",
+              ends.client_sent.size(), bytes_in(ends.client_sent), ends.server_sent.size(),
+              bytes_in(ends.server_sent));
+}
+
+struct Durations {
+  std::vector<Duration> sorted;  // without those beyond the limit
+  std::size_t attempts = 0;
+
+  double share_within(Duration d) const {
+    const auto n = std::count_if(sorted.begin(), sorted.end(), [&](Duration s) { return s <= d; });
+    return static_cast<double>(n) / static_cast<double>(attempts);
+  }
+};
+
+Durations durations(const ImpairmentConfig& network, std::size_t seeds) {
+  Durations all{.attempts = seeds};
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+    DtlsEnds ends(kKey, kKey, network, seed);
+    const TimePoint begin = ends.now;
+    if (!ends.run(seconds(20))) continue;
+    all.sorted.push_back(ends.now - begin);
+    EXPECT_TRUE(passes(*ends.client_session, *ends.server_session, seed)) << "seed " << seed;
+    EXPECT_TRUE(passes(*ends.server_session, *ends.client_session, seed)) << "seed " << seed;
+  }
+  std::sort(all.sorted.begin(), all.sorted.end());
+  if (!all.sorted.empty())
+    std::printf("median %.0f ms, longest %.0f ms, %zu of %zu\n",
+                farhand::seconds(all.sorted[all.sorted.size() / 2]) * 1e3,
+                farhand::seconds(all.sorted.back()) * 1e3, all.sorted.size(), seeds);
+  return all;
+}
+
+TEST(Dtls, ConnectsUnderTwentyPercentLossBothWays) {
+  const Durations d = durations({.delay_ms = 5, .loss_ratio = 0.2}, 500);
+  EXPECT_EQ(d.sorted.size(), d.attempts);
+  EXPECT_GE(d.share_within(seconds(2)), 0.99);
+}
+
+TEST(Dtls, ConnectsOverANetworkThatDoesEverything) {
+  const Durations d = durations({.delay_ms = 20,
+                                 .jitter_ms = 10,
+                                 .loss_ratio = 0.1,
+                                 .duplicate_ratio = 0.3,
+                                 .reorder_ratio = 0.3,
+                                 .reorder_hold_ms = 60,
+                                 .corrupt_ratio = 0.05},
+                                300);
+  EXPECT_EQ(d.sorted.size(), d.attempts);
+}
+
+TEST(Dtls, ConnectsAtOneSecondOfRoundTrip) {
+  DtlsEnds ends(kKey, kKey, {.delay_ms = 500});
+  EXPECT_TRUE(ends.run(seconds(4)));
+}
+
+TEST(Dtls, SameSeedSameTimes) {
+  const auto times = [] {
+    DtlsEnds ends(kKey, kKey, {.delay_ms = 5, .jitter_ms = 3, .loss_ratio = 0.3}, 7);
+    ends.run(seconds(20));
+    std::vector<std::size_t> sizes;
+    for (const auto& d : ends.client_sent) sizes.push_back(d.size());
+    return std::pair(ends.now, sizes);
+  };
+  EXPECT_EQ(times(), times());
+}
+
+TEST(Dtls, AnotherKeyNeverConnectsAndBothSaySo) {
+  DtlsEnds ends(kOtherKey, kKey);
+  EXPECT_FALSE(ends.run(seconds(30)));
+  EXPECT_EQ(ends.client_session, nullptr);
+  EXPECT_EQ(ends.server_session, nullptr);
+  EXPECT_EQ(ends.client.counters().done + ends.server.counters().done, 0u);
+  EXPECT_GT(ends.server.counters().other_key, 0u);
+  EXPECT_GT(ends.client.counters().other_key, 0u);
+  EXPECT_LE(ends.server.counters().begun, 6u) << "hurries";
+}
+
+// A liar names the key that it does not have.
+TEST(Dtls, TheKeysNameIsNotTheKey) {
+  Key liar = kOtherKey;
+  liar.name = kKey.name;
+  DtlsEnds ends(liar, kKey);
+  EXPECT_FALSE(ends.run(seconds(30)));
+  EXPECT_EQ(ends.client_session, nullptr);
+  EXPECT_EQ(ends.server_session, nullptr);
+  EXPECT_EQ(ends.server.counters().other_key, 0u);
+}
+
+TEST(Dtls, NoRecordOfDataLeavesAHandshake) {
+  for (const Key& client : {kKey, kOtherKey}) {
+    DtlsEnds ends(client, kKey, {.delay_ms = 5, .loss_ratio = 0.2}, 3);
+    ends.run(seconds(10));
+    EXPECT_TRUE(std::none_of(ends.client_sent.begin(), ends.client_sent.end(), is_data));
+    EXPECT_TRUE(std::none_of(ends.server_sent.begin(), ends.server_sent.end(), is_data));
+  }
+}
+
+// A client of the test's own, one message at a time.
+class DtlsServer : public testing::Test {
+ protected:
+  // The server's answer to `datagram`.
+  std::vector<Bytes> ask(const Bytes& datagram, const UdpAddress& from) {
+    server.receive(datagram, from, now);
+    return all_outgoing(server);
+  }
+  static Bytes hello(DtlsHandshake& of, TimePoint at) {
+    of.start(kServerAddress, at);
+    return all_outgoing(of).at(0);
+  }
+  Bytes hello_with_cookie(DtlsHandshake& of, const UdpAddress& from) {
+    of.receive(ask(hello(of, now), from).at(0), kServerAddress, now);
+    return all_outgoing(of).at(0);
+  }
+  // Goes on with what the server says to `of` until nobody has more to say.
+  void converse(DtlsHandshake& of, std::vector<Bytes> said, const UdpAddress& from) {
+    while (!said.empty()) {
+      std::vector<Bytes> answers;
+      for (const Bytes& d : said) {
+        of.receive(d, kServerAddress, now);
+        for (const Bytes& a : all_outgoing(of)) {
+          const auto more = ask(a, from);
+          answers.insert(answers.end(), more.begin(), more.end());
+        }
+      }
+      said = answers;
+    }
+  }
+  void connect(DtlsHandshake& of, const UdpAddress& from) {
+    const Bytes proven = hello_with_cookie(of, from);
+    converse(of, ask(proven, from), from);
+  }
+
+  TimePoint now{std::chrono::hours(1)};
+  DtlsHandshake server{DtlsRole::server, kKey};
+  DtlsHandshake client{DtlsRole::client, kKey};
+};
+
+TEST_F(DtlsServer, GivesNoMoreThanItGetsBeforeTheCookie) {
+  Random random(1);
+  const Bytes good = hello(client, now);
+  std::size_t answered = 0;
+  for (int i = 0; i < 20000; ++i) {
+    Bytes d = good;
+    const std::size_t flips = random.bits() % 4;
+    for (std::size_t f = 0; f < flips; ++f)
+      d[random.bits() % d.size()] ^= static_cast<std::byte>(random.bits());
+    if (random.bits() % 4 == 0) d.resize(random.bits() % (d.size() + 1));
+    const std::size_t said = bytes_in(ask(d, test_address(static_cast<std::uint8_t>(i))));
+    ASSERT_LE(said, d.size()) << i;
+    answered += said > 0 ? 1 : 0;
+  }
+  EXPECT_GT(answered, 0u);
+  EXPECT_EQ(server.counters().begun, 0u);
+}
+
+TEST_F(DtlsServer, TakesACookieFromItsAddressAndTimeOnly) {
+  const Bytes proven = hello_with_cookie(client, kClientAddress);
+  EXPECT_LE(bytes_in(ask(proven, test_address(9))), proven.size());
+  EXPECT_EQ(server.counters().begun, 0u);
+  now += std::chrono::minutes(2);
+  EXPECT_LE(bytes_in(ask(proven, kClientAddress)), proven.size());
+  EXPECT_EQ(server.counters().begun, 0u);
+  now -= std::chrono::minutes(2);
+  EXPECT_GT(bytes_in(ask(proven, kClientAddress)), 0u);
+  EXPECT_EQ(server.counters().begun, 1u);
+}
+
+// What a client that proves its address and then keeps silent gets in all.
+TEST_F(DtlsServer, SaysLittleToASilentClient) {
+  std::size_t got = bytes_in(ask(hello_with_cookie(client, kClientAddress), kClientAddress));
+  const std::size_t flight = got;
+  for (int i = 0; i < 60000; ++i) {
+    now += milliseconds(1);
+    server.tick(now);
+    got += bytes_in(all_outgoing(server));
+  }
+  EXPECT_EQ(server.counters().expired, 1u);
+  EXPECT_EQ(server.counters().resent, 13u);  // after 0.1, 0.3, 0.7, 1.1, ... 4.7 s
+  EXPECT_EQ(got, 14 * flight);
+  std::printf("%zu bytes in a flight, %zu in all\n", flight, got);
+}
+
+TEST_F(DtlsServer, AnAlertEndsNothing) {
+  const auto alert = [](std::uint8_t about, std::uint8_t sequence) {
+    Bytes a{std::byte{21}, std::byte{0xfe}, std::byte{0xfd}};
+    a.resize(13);
+    a[10] = std::byte{sequence};
+    a[12] = std::byte{2};
+    a.push_back(std::byte{2});  // fatal
+    a.push_back(std::byte{about});
+    return a;
+  };
+  const Bytes proven = hello_with_cookie(client, kClientAddress);
+  const auto flight = ask(proven, kClientAddress);
+  for (int about = 0; about < 256; ++about) {
+    const auto a = alert(static_cast<std::uint8_t>(about), static_cast<std::uint8_t>(about));
+    EXPECT_TRUE(ask(a, kClientAddress).empty());
+    client.receive(a, kServerAddress, now);
+  }
+  converse(client, flight, kClientAddress);
+  EXPECT_EQ(server.counters().done, 1u);
+  EXPECT_EQ(client.counters().done, 1u);
+  const auto here = server.take_session(), there = client.take_session();
+  Bytes room(kMaxPayloadBytes);
+  for (int about = 0; about < 256; ++about)
+    EXPECT_EQ(here->open(alert(static_cast<std::uint8_t>(about), 99), room).verdict,
+              Verdict::too_short);
+  EXPECT_TRUE(passes(*there, *here, 1));
+}
+
+TEST_F(DtlsServer, KeepsTheOldSessionUntilTheNewIsAuthentic) {
+  connect(client, kClientAddress);
+  const auto here = server.take_session(), there = client.take_session();
+  ASSERT_TRUE(here && there);
+
+  DtlsHandshake stranger(DtlsRole::client, kOtherKey);
+  connect(stranger, test_address(9));
+  EXPECT_EQ(server.take_session(), nullptr);
+  EXPECT_TRUE(passes(*there, *here, 1));
+
+  for (const UdpAddress& address : {kClientAddress, test_address(7)}) {
+    DtlsHandshake restarted(DtlsRole::client, kKey);
+    connect(restarted, address);
+    const auto now_here = server.take_session(), now_there = restarted.take_session();
+    ASSERT_TRUE(now_here && now_there);
+    EXPECT_TRUE(passes(*now_there, *now_here, 2));
+    EXPECT_TRUE(passes(*there, *here, 3)) << "the old one is the caller's until it lets go";
+    EXPECT_FALSE(passes(*there, *now_here, 4));
+    EXPECT_FALSE(passes(*now_there, *here, 5));
+  }
+}
+
+// A client whose own handshake is under way is not thrown out by one from elsewhere, for a second.
+TEST_F(DtlsServer, ProtectsAHandshakeFromOtherAddresses) {
+  const Bytes proven = hello_with_cookie(client, kClientAddress);
+  DtlsHandshake other(DtlsRole::client, kKey);
+  const Bytes others = hello_with_cookie(other, test_address(9));
+  const auto flight = ask(proven, kClientAddress);
+  EXPECT_TRUE(ask(others, test_address(9)).empty());
+  converse(client, flight, kClientAddress);
+  EXPECT_EQ(server.counters().done, 1u);
+}
+
+TEST_F(DtlsServer, ASilentClientBlocksNobodyForLong) {
+  ask(hello_with_cookie(client, kClientAddress), kClientAddress);
+  now += seconds(1);
+  DtlsHandshake other(DtlsRole::client, kKey);
+  connect(other, test_address(9));
+  EXPECT_EQ(server.counters().done, 1u);
+}
+
+// OpenSSL alone ends a session for good after a ChangeCipherSpec of the coming epoch in front of a
+// Finished, as one flipped bit makes it.
+TEST_F(DtlsServer, ASpoiltLastFlightDoesNotDisturbTheSession) {
+  constexpr std::size_t kChangeCipherSpecBytes = 14, kEpochAt = 4;
+  const auto flight = ask(hello_with_cookie(client, kClientAddress), kClientAddress);
+  client.receive(flight.at(0), kServerAddress, now);
+  const Bytes last = ask(all_outgoing(client).at(0), kClientAddress).at(0);
+  Bytes spoilt = last;
+  spoilt[kEpochAt] = std::byte{1};
+  client.receive(spoilt, kServerAddress, now);
+  client.receive(std::span(last).subspan(kChangeCipherSpecBytes), kServerAddress, now);
+  client.receive(last, kServerAddress, now);
+  const auto here = server.take_session(), there = client.take_session();
+  ASSERT_TRUE(here && there);
+  EXPECT_TRUE(passes(*there, *here, 1));
+  EXPECT_TRUE(passes(*here, *there, 2));
+}
+
+// A whole recorded handshake, sent again from the same address.
+TEST_F(DtlsServer, ARecordedHandshakeOpensNothing) {
+  DtlsEnds ends(kKey, kKey);
+  ASSERT_TRUE(ends.run(milliseconds(10)));
+  for (int again = 0; again < 3; ++again)
+    for (const Bytes& d : ends.client_sent) {
+      ends.server.receive(d, kClientAddress, ends.now);
+      all_outgoing(ends.server);
+    }
+  EXPECT_EQ(ends.server.counters().done, 1u);
+  EXPECT_EQ(ends.server.take_session(), nullptr);
+}
+
+TEST_F(DtlsServer, GarbageBeginsNothing) {
+  Random random(5);
+  for (int i = 0; i < 100000; ++i) {
+    Bytes d(random.bits() % 1300);
+    for (std::byte& b : d) b = static_cast<std::byte>(random.bits());
+    if (d.size() > 13 && i % 2 == 0) {  // a good header
+      d[0] = static_cast<std::byte>(20 + random.bits() % 4);
+      d[1] = std::byte{0xfe};
+      d[2] = std::byte{0xfd};
+      d[3] = d[4] = std::byte{0};
+      d[11] = static_cast<std::byte>((d.size() - 13) >> 8);
+      d[12] = static_cast<std::byte>((d.size() - 13) & 255);
+      if (d.size() > 25) d[13] = std::byte{1};
+    }
+    ASSERT_LE(bytes_in(ask(d, kClientAddress)), d.size());
+  }
+  EXPECT_EQ(server.counters().begun, 0u);
+  connect(client, kClientAddress);
+  EXPECT_EQ(server.counters().done, 1u);
+}
+
+}  // namespace
+}  // namespace farhand

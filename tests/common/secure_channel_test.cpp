@@ -1,0 +1,198 @@
+// Both ends with their two halves: connecting, restarting, and what the loop's half may cost.
+#include "common/secure_channel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/support/allocations.hpp"
+#include "tests/support/dtls_ends.hpp"
+
+namespace farhand {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+const Key kKey = test_key(1), kOtherKey = test_key(2);
+
+// One end, as a loop of 1 kHz with a service every 5 ms would drive it; each turn sends a record.
+struct End {
+  End(bool client, const Key& key)
+      : channel({.server = client ? std::optional(kServerAddress) : std::nullopt}, key) {}
+
+  void receive(std::span<const std::byte> datagram, const UdpAddress& from) {
+    if (channel.take(datagram, from)) return;
+    const Opened got = channel.open(datagram, payload);
+    ++(got.verdict == Verdict::accepted ? accepted : refused);
+    ++verdicts[static_cast<std::size_t>(got.verdict)];
+  }
+
+  SecureChannel channel;
+  Bytes payload = Bytes(kMaxPayloadBytes);
+  std::uint64_t accepted = 0, refused = 0;
+  std::array<std::uint64_t, kVerdicts> verdicts{};
+};
+
+class SecureChannelTest : public testing::Test {
+ protected:
+  SecureChannelTest() { restart(client, true, kKey), restart(server, false, kKey); }
+
+  static void restart(std::unique_ptr<End>& end, bool is_client, const Key& key) {
+    end = std::make_unique<End>(is_client, key);
+  }
+  void send(End& from, End& to, const UdpAddress& from_address) {
+    if (&from == mute || &to == mute) return;
+    while (const DtlsOutgoing* out = from.channel.outgoing())
+      to.receive(out->datagram(), from_address);
+    Bytes record(kMaxDatagramBytes);
+    record.resize(from.channel.seal(some_payload(1), record));
+    if (record.empty()) return;
+    last = record;
+    to.receive(record, from_address);
+  }
+  void run(Duration length) {
+    for (const TimePoint end = now + length; now < end;) {
+      now += milliseconds(1);
+      if (now.time_since_epoch() % milliseconds(5) == Duration(0))
+        client->channel.service(now), server->channel.service(now);
+      send(*client, *server, client_address);
+      send(*server, *client, kServerAddress);
+    }
+  }
+  bool both_heard_in(Duration length) {
+    const auto c = client->accepted, s = server->accepted;
+    run(length);
+    return client->accepted > c && server->accepted > s;
+  }
+
+  TimePoint now{seconds(3600)};
+  UdpAddress client_address = kClientAddress;
+  std::unique_ptr<End> client, server;
+  End* mute = nullptr;  // nothing from it or to it
+  Bytes last;
+};
+
+TEST_F(SecureChannelTest, ConnectsOnceAndStaysConnected) {
+  EXPECT_TRUE(both_heard_in(milliseconds(100)));
+  run(seconds(60));
+  EXPECT_EQ(client->channel.counters().begun, 1u);
+  EXPECT_EQ(server->channel.counters().done, 1u);
+  EXPECT_GT(server->accepted, 59900u);
+}
+
+TEST_F(SecureChannelTest, EitherSideMayRestartFromAnyAddress) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  for (std::uint8_t i = 0; i < 5; ++i) {
+    restart(client, true, kKey);
+    client_address = test_address(10 + i);
+    EXPECT_TRUE(both_heard_in(milliseconds(100))) << "client " << i;
+    restart(server, false, kKey);
+    EXPECT_TRUE(both_heard_in(milliseconds(800))) << "server " << i;
+  }
+}
+
+TEST_F(SecureChannelTest, AnAddressMayChangeUnderASession) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  client_address = test_address(77);
+  EXPECT_TRUE(both_heard_in(milliseconds(5)));
+  EXPECT_EQ(client->channel.counters().begun, 1u);
+}
+
+TEST_F(SecureChannelTest, ComesBackAfterACut) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  mute = server.get();
+  run(seconds(20));
+  mute = nullptr;
+  EXPECT_TRUE(both_heard_in(milliseconds(600)));
+  EXPECT_GE(server->channel.counters().done, 1u);
+}
+
+TEST_F(SecureChannelTest, AnotherKeyIsNeverHeardAndEndsNothing) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  const auto refused = client->refused + server->refused;
+  End stranger(true, kOtherKey);
+  for (int i = 0; i < 10000; ++i) {
+    run(milliseconds(1));
+    if (i % 5 == 0) stranger.channel.service(now);
+    while (const DtlsOutgoing* out = stranger.channel.outgoing())
+      server->receive(out->datagram(), test_address(66));
+    Bytes record(kMaxDatagramBytes);
+    EXPECT_EQ(stranger.channel.seal(some_payload(1), record), 0u);
+  }
+  EXPECT_EQ(server->channel.counters().done, 1u);
+  EXPECT_EQ(client->refused + server->refused, refused);
+}
+
+TEST_F(SecureChannelTest, TheOldSessionIsOverWhenTheNewOneStands) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  mute = client.get();  // the last record is on its way for long
+  run(milliseconds(1));
+  Bytes late(kMaxDatagramBytes);
+  late.resize(client->channel.seal(some_payload(2), late));
+  mute = nullptr;
+  restart(client, true, kKey);
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  for (int i = 0; i < 1000; ++i) {
+    const auto before = server->accepted;
+    server->receive(late, kClientAddress);
+    ASSERT_EQ(server->accepted, before);
+  }
+}
+
+TEST_F(SecureChannelTest, DataBeforeAConnectionIsRefusedByName) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  End fresh(false, kKey);
+  fresh.receive(last, kClientAddress);
+  EXPECT_EQ(fresh.verdicts[static_cast<std::size_t>(Verdict::not_connected)], 1u);
+  const std::array<std::byte, 40> plain{std::byte{'F'}, std::byte{'H'}, std::byte{'L'}};
+  fresh.receive(plain, kClientAddress);
+  EXPECT_EQ(fresh.verdicts[static_cast<std::size_t>(Verdict::bad_magic)], 1u);
+  Bytes record(kMaxDatagramBytes);
+  EXPECT_EQ(fresh.channel.seal(some_payload(1), record), 0u);
+}
+
+TEST_F(SecureChannelTest, TheLoopsHalfAllocatesNothingEvenInAFloodOfHandshakes) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  DtlsHandshake other(DtlsRole::client, kOtherKey);
+  other.start(kServerAddress, now);
+  const Bytes hello = all_outgoing(other).at(0);
+  Bytes record(kMaxDatagramBytes);
+  const Bytes payload = some_payload(1);
+  const auto count = allocations_in([&] {
+    for (int i = 0; i < 10000; ++i) {
+      server->receive(hello, test_address(66));
+      const std::size_t size = client->channel.seal(payload, record);
+      server->receive(std::span(record).first(size), kClientAddress);
+    }
+  });
+  EXPECT_EQ(count, 0u);
+  EXPECT_TRUE(both_heard_in(milliseconds(10)));
+}
+
+// The service on a thread of its own, as in the programs.
+TEST_F(SecureChannelTest, TheHalvesMayRunOnTwoThreads) {
+  std::atomic<bool> over = false;
+  for (int restarts = 0; restarts < 5; ++restarts) {
+    restart(client, true, kKey);
+    over = false;
+    std::jthread service([&] {
+      for (TimePoint t = now; !over; t += milliseconds(5)) {
+        client->channel.service(t);
+        server->channel.service(t);
+        std::this_thread::yield();
+      }
+    });
+    const auto before = server->accepted;
+    while (server->accepted < before + 1000) {
+      send(*client, *server, client_address);
+      send(*server, *client, kServerAddress);
+      std::this_thread::yield();
+    }
+    over = true;
+  }
+  EXPECT_GE(server->channel.counters().done, 5u);
+}
+
+}  // namespace
+}  // namespace farhand
