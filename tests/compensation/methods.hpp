@@ -1,0 +1,119 @@
+// The product's methods on the bench's one axis, wired as a master and a slave would.
+#pragma once
+
+#include "common/concealment.hpp"
+#include "common/force_guard.hpp"
+#include "master/compensation.hpp"
+#include "master/compensation/damped.hpp"
+#include "slave/compensation/damped.hpp"
+#include "slave/compensation/velocity_guard.hpp"
+#include "tests/compensation/bench.hpp"
+
+namespace farhand::bench {
+
+inline Vec3 along(double z) {
+  return {0, 0, z};
+}
+
+// Under guards, or not: forces at the handle, and at the robot a force or a velocity.
+class Guarded : public Method {
+ public:
+  explicit Guarded(bool on) : on_(on) {}
+  long acted() const { return acted_; }
+
+ protected:
+  double guard(ForceGuard& g, double F, double x) {
+    const double out = g.step(along(F), along(x)).z();
+    acted_ += g.acting();
+    return on_ ? out : F;
+  }
+  double guard(VelocityGuard& g, double v, double stretch, double F_e) {
+    const double out = g.step(along(v), along(stretch), along(F_e)).z();
+    acted_ += g.acting();
+    return on_ ? out : v;
+  }
+
+ private:
+  bool on_;
+  long acted_ = 0;
+};
+
+// The energies that the messages carry between two guards.
+template <typename SlaveGuard>
+struct Guards {
+  ForceGuard master{ForceGuardConfig{}};
+  SlaveGuard slave{{}};
+
+  void hear(const Message& m, bool at_master) {
+    (at_master ? master.budget() : slave.budget()).receive(m.energy);
+  }
+  void tell(Message& m, bool by_master) {
+    m.energy = by_master ? master.budget().in() : slave.budget().in();
+  }
+};
+
+// Where the handle is thought to be.
+inline double reckon(const SlaveView& s) {
+  return s.from.in->x + path({}, s.from.age) * s.from.in->v;
+}
+
+struct DampedParts {
+  DampedConfig damped;
+  VirtualMassConfig mass;
+  bool guard = true;
+};
+
+class Damped : public Guarded {
+ public:
+  explicit Damped(const DampedParts& c = {})
+      : Guarded(c.guard), mass_(c.mass), master_(c.damped), slave_(c.damped) {}
+
+  void hear(const Message& m, bool at_master, TimePoint) override { guards_.hear(m, at_master); }
+  void tell(Message& m, bool by_master) override { guards_.tell(m, by_master); }
+
+  double felt(const MasterView& m) override {
+    const double stretch = m.from.in ? m.x - m.from.in->x : 0;
+    const double F = master_.step(along(stretch), along(m.v), m.from.echo_age).z();
+    return guard(guards_.master, m.from.in ? fade({}, m.from.age) * F : F, m.x);
+  }
+  double target(const SlaveView& s) override {
+    const double stretch = s.from.in ? reckon(s) - s.x_sd : 0;
+    double F_s = slave_.step(along(stretch), along(s.v_sd), s.from.echo_age).z();
+    F_s = -guard(guards_.slave, -F_s, s.x_sd);
+    return s.x_sd + Bench::kTs * step(mass_, along(s.v_sd), along(F_s), along(s.F_e)).z();
+  }
+
+ private:
+  VirtualMassConfig mass_;
+  DampedMaster master_;
+  DampedSlave slave_;
+  Guards<ForceGuard> guards_;
+};
+
+// No compensation: the robot is where the handle was, the hand feels what the robot felt.
+class Direct : public Guarded {
+ public:
+  Direct(double share, bool on) : Guarded(on), share_(share), on_(on) {}
+
+  void hear(const Message& m, bool at_master, TimePoint) override { guards_.hear(m, at_master); }
+  void tell(Message& m, bool by_master) override { guards_.tell(m, by_master); }
+
+  double felt(const MasterView& m) override {
+    const double F = m.from.in ? share_ * fade({}, m.from.age) * m.from.in->F : 0;
+    return guard(guards_.master, F, m.x);
+  }
+  double target(const SlaveView& s) override {
+    if (!s.from.in) return s.x_sd;
+    const double x = reckon(s), v = (x - (on_ ? x_ : s.x_sd)) / Bench::kTs;
+    x_ = x;
+    return s.x_sd + Bench::kTs * guard(guards_.slave, v, x - s.x_sd - v * Bench::kTs, s.F_e);
+  }
+
+ private:
+  double share_;
+  bool on_;
+  double x_ = 0;
+  Guards<VelocityGuard> guards_;
+};
+
+}  // namespace farhand::bench
