@@ -22,11 +22,11 @@ namespace farhand::bench {
 struct Message {
   std::uint64_t sequence = 0, sent = 0, echo_sent = 0;
   double x = 0, v = 0, F = 0;
-  double energy = 0;             // that went into the network at the sender
-  double U = 0, E = 0;           // integrals of the wave and its energy
-  double k = 0, b = 0, x_w = 0;  // of the wall, as the slave believes
-  double net = 0;                // [J] since the contact began
-  std::uint64_t contacts = 0;    // begun
+  double energy = 0;    // that went into the network at the sender
+  double U = 0, E = 0;  // integrals of the wave and its energy
+  bool known = false;   // of the wall, as the slave believes: all below
+  double x_w = 0, n = 0, k = 0, b = 0, net = 0;
+  std::uint32_t contacts = 0;
 };
 
 struct Wall {

@@ -5,7 +5,10 @@
 #include "common/force_guard.hpp"
 #include "master/compensation.hpp"
 #include "master/compensation/damped.hpp"
+#include "master/compensation/local_wall.hpp"
+#include "master/compensation/operator_tank.hpp"
 #include "slave/compensation/damped.hpp"
+#include "slave/compensation/local_wall.hpp"
 #include "slave/compensation/velocity_guard.hpp"
 #include "tests/compensation/bench.hpp"
 
@@ -88,6 +91,54 @@ class Damped : public Guarded {
   DampedMaster master_;
   DampedSlave slave_;
   Guards<ForceGuard> guards_;
+};
+
+struct MediatedParts {
+  WallFinderConfig finder;
+  WallRendererConfig renderer;
+};
+
+// Model-mediated, under the operator's tank.
+class Mediated : public Method {
+ public:
+  explicit Mediated(const MediatedParts& c = {})
+      : finder_(c.finder), renderer_(c.renderer), tank_({}) {}
+
+  void tell(Message& m, bool by_master) override {
+    if (by_master) return;
+    const LocalWall& w = finder_.wall();
+    m.known = w.known, m.n = w.n.z(), m.x_w = w.x_w.z(), m.k = w.k, m.b = w.b;
+    m.contacts = w.contacts, m.net = w.net;
+  }
+  double felt(const MasterView& m) override {
+    LocalWall told;
+    if (const Message* in = m.from.in)
+      told = {.known = in->known,
+              .x_w = along(in->x_w),
+              .n = along(in->n),
+              .k = in->k,
+              .b = in->b,
+              .contacts = in->contacts,
+              .net = in->net};
+    const double share = tank_.step(F_, along(m.x), told.net, told.contacts);
+    F_ = renderer_.step(along(m.x), along(m.v), told, share);
+    low_ += share < 1;
+    return F_.z();
+  }
+  double target(const SlaveView& s) override {
+    if (!s.from.in) return s.x_sd;
+    return finder_.step(along(reckon(s)), along(s.x_sd), along(s.x), along(s.v), along(s.F_e)).z();
+  }
+  const WallFinder& finder() const { return finder_; }
+  const WallRenderer& renderer() const { return renderer_; }
+  long low() const { return low_; }
+
+ private:
+  WallFinder finder_;
+  WallRenderer renderer_;
+  OperatorTank tank_;
+  Vec3 F_ = Vec3::Zero();
+  long low_ = 0;
 };
 
 // No compensation: the robot is where the handle was, the hand feels what the robot felt.
