@@ -7,9 +7,11 @@
 #include "master/compensation/damped.hpp"
 #include "master/compensation/local_wall.hpp"
 #include "master/compensation/operator_tank.hpp"
+#include "master/compensation/wave.hpp"
 #include "slave/compensation/damped.hpp"
 #include "slave/compensation/local_wall.hpp"
 #include "slave/compensation/velocity_guard.hpp"
+#include "slave/compensation/wave.hpp"
 #include "tests/compensation/bench.hpp"
 
 namespace farhand::bench {
@@ -91,6 +93,36 @@ class Damped : public Guarded {
   DampedMaster master_;
   DampedSlave slave_;
   Guards<ForceGuard> guards_;
+};
+
+// Wave variables. No guard around them: each receiver's energy limit already is one, and a guard
+// that counts by the sign of the power at a port takes the waves' reflections for a debt.
+class Wave : public Method {
+ public:
+  static constexpr double kStiffness = 20000;
+  explicit Wave(const WaveConfig& c) : master_(c), slave_(c, kStiffness) {}
+
+  void hear(const Message& m, bool at_master, TimePoint now) override {
+    const WaveSum sum{along(m.U), m.E};
+    const Duration sent(static_cast<Duration::rep>(m.sent)), at = now.time_since_epoch();
+    at_master ? master_.push(sent, sum, at) : slave_.push(sent, sum, at);
+  }
+  void tell(Message& m, bool by_master) override {
+    const WaveSum& sum = by_master ? master_.sum() : slave_.sum();
+    m.U = sum.U.z(), m.E = sum.E;
+  }
+  double felt(const MasterView& m) override {
+    return master_.step(along(m.v), m.now.time_since_epoch()).z();
+  }
+  double target(const SlaveView& s) override {
+    const Vec3 v = along(s.v_sd), F_s = slave_.step(v, s.now.time_since_epoch());
+    return s.x_sd + Bench::kTs * step(VirtualMassConfig{}, v, F_s, along(s.F_e)).z();
+  }
+  double playout() const { return (master_.playout() + slave_.playout()) / 2; }
+
+ private:
+  WaveMaster master_;
+  WaveSlave slave_;
 };
 
 struct MediatedParts {
