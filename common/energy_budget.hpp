@@ -25,6 +25,9 @@ class EnergyBudget {
   // Work [J] the guard took from the user or the robot by itself.
   void repay(double work) noexcept { credit_ += work; }
 
+  // The method changed: of a surplus only E0 is kept.
+  void cap() noexcept { credit_ -= std::max(left() - store_, 0.0); }
+
   double left() const noexcept { return credit_ + received_ - out_; }  // W
   double in() const noexcept { return in_; }                           // to be sent
   double out() const noexcept { return out_; }

@@ -11,8 +11,10 @@
 // still leaks comes out of a reserve, and as that runs down, the whole force goes to zero with it.
 //
 // Energy that the hand itself stored in a spring here counts as coming from the network, so a large
-// spring comes back damped where the store is small against it. Gaps: a lost message is only late
-// energy; while none comes W runs down, and the hand is driven no more.
+// spring comes back damped where the store is small against it. A method that
+// renders a model at the master gives energy that no message announced: for it the guard is closed
+// around the operator's port alone, where the budget receives its own `in`. Gaps: a lost message is
+// only late energy; while none comes W runs down, and the hand is driven no more.
 #pragma once
 
 #include "common/energy_budget.hpp"

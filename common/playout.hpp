@@ -55,6 +55,7 @@ class PlayoutClock {
     started_ = true;
     return played_;
   }
+  Duration played() const noexcept { return played_; }
   // D [s], as played.
   double delay() const noexcept { return base_.empty() ? 0 : offset_ - seconds(base_.minimum()); }
 
@@ -106,6 +107,7 @@ class Playout {
     return a.value + (seconds(t - a.sent) / seconds(b.sent - a.sent)) * (b.value - a.value);
   }
   double delay() const noexcept { return clock_.delay(); }
+  Duration played() const noexcept { return clock_.played(); }  // the sender's time, last
 
  private:
   static constexpr std::size_t kCapacity = 512;  // half a second at 1 kHz

@@ -20,7 +20,7 @@ namespace farhand::bench {
 
 // What either side tells the other: absolute state and sums, newest wins.
 struct Message {
-  std::uint64_t sequence = 0, sent = 0, echo_sent = 0;
+  std::uint64_t sequence = 0, sent = 0, echo_sent = 0, acted = 0;
   double x = 0, v = 0, F = 0;
   double energy = 0;    // that went into the network at the sender
   double U = 0, E = 0;  // integrals of the wave and its energy

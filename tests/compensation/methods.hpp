@@ -7,6 +7,7 @@
 #include "master/compensation/damped.hpp"
 #include "master/compensation/local_wall.hpp"
 #include "master/compensation/operator_tank.hpp"
+#include "master/compensation/smith.hpp"
 #include "master/compensation/wave.hpp"
 #include "slave/compensation/damped.hpp"
 #include "slave/compensation/local_wall.hpp"
@@ -171,6 +172,35 @@ class Mediated : public Method {
   OperatorTank tank_;
   Vec3 F_ = Vec3::Zero();
   long low_ = 0;
+};
+
+// Smith predictor, under a guard at the operator's port alone: what comes out there went in there.
+class Smith : public Method {
+ public:
+  explicit Smith(const SmithConfig& c) : predictor_(c), poses_({}) {}
+
+  void hear(const Message& m, bool at_master, TimePoint now) override {
+    if (at_master) return;
+    poses_.push(Duration(static_cast<Duration::rep>(m.sent)), along(m.x), now.time_since_epoch());
+  }
+  void tell(Message& m, bool by_master) override {
+    if (!by_master) m.acted = static_cast<std::uint64_t>(poses_.played().count());
+  }
+  double felt(const MasterView& m) override {
+    if (!m.from.in) return 0;
+    const TimePoint acted{Duration(static_cast<Duration::rep>(m.from.in->acted))};
+    const Vec3 F = predictor_.step(along(m.x), along(m.v), along(m.from.in->F), acted, m.now);
+    guard_.budget().receive(guard_.budget().in());
+    return guard_.step(F, along(m.x)).z();
+  }
+  double target(const SlaveView& s) override {
+    return poses_.play(s.now.time_since_epoch(), along(s.x_sd)).z();
+  }
+
+ private:
+  SmithPredictor predictor_;
+  ForceGuard guard_{ForceGuardConfig{}};
+  Playout<Vec3> poses_;
 };
 
 // No compensation: the robot is where the handle was, the hand feels what the robot felt.
