@@ -1,0 +1,47 @@
+// What a port of the network may give out (time-domain passivity: Ryu, Artigas and Preusche 2010,
+// Mechatronics 20, 812). The energy of each port is kept split by sign, as two sums that only grow,
+// from the network's point of view: `in` went in at the port, `out` came out of it. Each message
+// carries the sender's `in`. Then, whatever the network loses, delays, doubles or reorders,
+//
+//   W = E0 + in of the peer, as received - out of our own + what the guard took away here >= 0
+//
+// on both sides keeps the whole network with both guards from ever giving out more than 2 E0.
+#pragma once
+
+#include <algorithm>
+
+namespace farhand {
+
+inline constexpr double kEnergyStore = 0.02;  // E0 [J]: below it nothing starts to move
+
+class EnergyBudget {
+ public:
+  explicit EnergyBudget(double store = kEnergyStore) noexcept : store_(store), credit_(store) {}
+
+  // Of any message of the peer's session, in any order, any number of times.
+  void receive(double peer_in) noexcept { received_ = std::max(received_, peer_in); }
+  // Work [J] that went into the network at this port; negative: came out.
+  void charge(double work) noexcept { work > 0 ? in_ += work : out_ -= work; }
+  // Work [J] the guard took from the user or the robot by itself.
+  void repay(double work) noexcept { credit_ += work; }
+
+  // The method changed: of a surplus only E0 is kept.
+  void cap() noexcept { credit_ -= std::max(left() - store_, 0.0); }
+
+  double left() const noexcept { return credit_ + received_ - out_; }  // W
+  double in() const noexcept { return in_; }                           // to be sent
+  double out() const noexcept { return out_; }
+
+  // The peer counts from 0 again. No more than E0 of what was left is kept.
+  void restart() noexcept {
+    credit_ = std::min(left(), store_) + out_;
+    received_ = 0;
+  }
+
+ private:
+  double store_;
+  double credit_;
+  double received_ = 0, in_ = 0, out_ = 0;
+};
+
+}  // namespace farhand

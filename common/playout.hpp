@@ -1,0 +1,125 @@
+// A buffer that trades delay for even arrival: a value sent at t comes out at t + least transit +
+// D, on the sender's time scale, so no common clock is needed. D is the jitter that all but a share
+// of the messages stay within, over the last seconds. It grows at once when messages come late in
+// numbers; otherwise time is stretched or squeezed by 1 %, never jumped.
+//
+// Between messages values are interpolated, so a lost one costs nothing, and neither does one that
+// was overtaken: at 1 kHz those that overtake come early, and D is theirs. After the newest it
+// holds. Duplicates and an unknown offset of the clocks do not matter.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "common/clock_sync.hpp"
+#include "common/time.hpp"
+
+namespace farhand {
+
+struct PlayoutConfig {
+  double late_share = 0.01;  // of messages that may come after their time
+  double memory = 2;         // [s] over which jitter is remembered
+  double slew = 0.01;        // of real time
+  double most = 0.25;        // [s] of D
+};
+
+// When to play: from transit times alone.
+class PlayoutClock {
+ public:
+  explicit PlayoutClock(const PlayoutConfig& config) noexcept
+      : config_(config), base_(from_seconds(config.memory)) {}
+
+  // Of every message used; both stamps since their clocks' epochs.
+  void arrived(Duration sent, Duration now) noexcept {
+    base_.add(now, now - sent);
+    const double late = seconds(now - sent - base_.minimum());
+    const auto bin = static_cast<std::size_t>(std::clamp(late / kBin, 0.0, kBins - 1.0));
+    weight_ *= 1 + 0.001 / config_.memory;  // newer ones count more, as if older ones faded
+    count_[bin] += weight_, total_ += weight_;
+    if (weight_ > 1e9) fade();
+    late_score_ += (started_ && sent < played_ ? 1.0 : 0.0) - late_score_ / 100;
+  }
+
+  // Once per tick: the sender's time to be played now. Never runs backwards.
+  Duration play(Duration now) noexcept {
+    if (base_.empty()) return played_;
+    const double wish = seconds(base_.minimum()) + std::min(jitter(), config_.most);
+    if (!started_ || late_score_ >= 3) offset_ = std::max(started_ ? offset_ : -1e18, wish);
+    if (late_score_ >= 3) late_score_ = 0;
+    const double most = started_ ? config_.slew * seconds(now - last_) : 0;
+    offset_ += std::clamp(wish - offset_, -most, most);
+    last_ = now;
+    const Duration at = now - from_seconds(offset_);
+    played_ = started_ ? std::max(played_, at) : at;
+    started_ = true;
+    return played_;
+  }
+  Duration played() const noexcept { return played_; }
+  // D [s], as played.
+  double delay() const noexcept { return base_.empty() ? 0 : offset_ - seconds(base_.minimum()); }
+
+ private:
+  static constexpr double kBin = 0.001;
+  static constexpr std::size_t kBins = 256;
+
+  double jitter() const noexcept {
+    double above = 0;
+    std::size_t i = kBins;
+    while (i > 1 && above + count_[i - 1] <= config_.late_share * total_) above += count_[--i];
+    return kBin * static_cast<double>(i);
+  }
+  void fade() noexcept {
+    for (double& c : count_) c /= weight_;
+    total_ /= weight_, weight_ = 1;
+  }
+
+  PlayoutConfig config_;
+  SlidingMinimum base_;
+  std::array<double, kBins> count_{};
+  double weight_ = 1, total_ = 0, late_score_ = 0, offset_ = 0;
+  bool started_ = false;
+  Duration last_{}, played_{};
+};
+
+// Value: needs + and -, and * with a double from the left.
+template <typename Value>
+class Playout {
+ public:
+  explicit Playout(const PlayoutConfig& config) noexcept : clock_(config) {}
+
+  // Of any message; one that is not newer than all before is passed over.
+  void push(Duration sent, const Value& value, Duration now) noexcept {
+    if (size_ > 0 && sent <= at(size_ - 1).sent) return;
+    clock_.arrived(sent, now);
+    if (size_ == kCapacity) first_ = (first_ + 1) % kCapacity, --size_;
+    at(size_++) = {sent, value};
+  }
+
+  // What is to be used now; `before` until the first message.
+  Value play(Duration now, const Value& before = {}) noexcept {
+    const Duration t = clock_.play(now);
+    while (size_ > 1 && at(1).sent <= t) first_ = (first_ + 1) % kCapacity, --size_;
+    if (size_ == 0) return before;
+    const Entry& a = at(0);
+    if (size_ == 1 || t <= a.sent) return a.value;
+    const Entry& b = at(1);
+    return a.value + (seconds(t - a.sent) / seconds(b.sent - a.sent)) * (b.value - a.value);
+  }
+  double delay() const noexcept { return clock_.delay(); }
+  Duration played() const noexcept { return clock_.played(); }  // the sender's time, last
+
+ private:
+  static constexpr std::size_t kCapacity = 512;  // half a second at 1 kHz
+  struct Entry {
+    Duration sent{};
+    Value value{};
+  };
+  Entry& at(std::size_t i) noexcept { return ring_[(first_ + i) % kCapacity]; }
+
+  PlayoutClock clock_;
+  std::array<Entry, kCapacity> ring_{};
+  std::size_t first_ = 0, size_ = 0;
+};
+
+}  // namespace farhand

@@ -1,0 +1,30 @@
+// The master's half of P+d (common/damped.hpp): a spring to where the robot is known to be, and a
+// damper. In a gap the spring pulls to the last known place, the damper grows with the gap's age,
+// and the fade of the whole (common/concealment.hpp) lets go.
+#pragma once
+
+#include "common/damped.hpp"
+#include "common/geometry.hpp"
+
+namespace farhand {
+
+class DampedMaster {
+ public:
+  explicit DampedMaster(const DampedConfig& config) noexcept
+      : config_(config), delay_(config.delay) {}
+
+  // Force of the handle on the coupling (the hand feels its opposite). stretch: handle less robot,
+  // as a difference of positions or a rotation vector, from the newest message; v_m the handle's
+  // velocity, undelayed. A pure damper while the robot's place is not known: stretch = 0.
+  Vec3 step(const Vec3& stretch, const Vec3& v_m, Duration echo_age) noexcept {
+    const SpringDamper s = spring_damper(config_, delay_.step(echo_age));
+    return s.K * stretch + s.B * v_m;
+  }
+  double delay() const noexcept { return delay_.delay(); }
+
+ private:
+  DampedConfig config_;
+  EchoDelay delay_;
+};
+
+}  // namespace farhand

@@ -1,0 +1,38 @@
+#include "master/compensation/local_wall.hpp"
+
+#include <algorithm>
+
+namespace farhand {
+
+Vec3 WallRenderer::step(const Vec3& x_m, const Vec3& v_m, const LocalWall& told,
+                        double out_share) noexcept {
+  const Vec3 drag = config_.drag * v_m;
+  if (told.known && !wall_.known) {
+    wall_ = told;
+    wall_.x_w += std::max(depth(x_m), 0.0) * wall_.n;
+  }
+  if (!wall_.known) return drag;
+  agree(x_m, told);
+  const double in = depth(x_m), v = v_m.dot(wall_.n);
+  if (!(in > 0)) return drag;
+  if (v < 0 && out_share < 1) wall_.x_w += (1 - out_share) * in * wall_.n;
+  return std::max(0.0, wall_.k * depth(x_m) + wall_.b * v) * wall_.n + drag;
+}
+
+void WallRenderer::agree(const Vec3& x_m, const LocalWall& told) noexcept {
+  const double in = depth(x_m), share = std::min(1.0, config_.Ts / config_.agree_time);
+  if (!told.known) {  // fades
+    if (in > 0) wall_.x_w += share * in * wall_.n;
+    constexpr double kNothing = 0.05;  // [N]
+    wall_.known = wall_.k * in > kNothing;
+    return;
+  }
+  const double F = wall_.k * std::max(in, 0.0), step = config_.stiffness_rate * wall_.k;
+  wall_.k = std::clamp(told.k, wall_.k - step, wall_.k + step);
+  wall_.b = told.b;
+  wall_.n = told.n;
+  if (F > 0) wall_.x_w += (depth(x_m) - F / wall_.k) * wall_.n;
+  wall_.x_w += share * (told.x_w - wall_.x_w);
+}
+
+}  // namespace farhand

@@ -1,0 +1,60 @@
+// The slave's half of the model-mediated method (common/local_wall.hpp). The robot follows the
+// handle; what it touches is estimated and told. The surface is placed by the force that is
+// measured,
+//
+//   x_w = x_sd - F_e / k_c,    k_c = k Kp / (k + Kp)
+//
+// in the target's coordinate, so that at rest the master's model gives exactly F_e, however wrong k
+// is. k is taken larger than estimated: the residual loop's small gain |k_e - k| < |k + Z_hand|
+// holds at any delay from k_e / 2 on. While the wall stands, the target goes no deeper than
+// max_force means: the hand, which hits a wall that it does not know yet, would press for a whole
+// round trip.
+//
+// In a gap the robot goes on, slows and rests (common/concealment.hpp), and estimates on.
+#pragma once
+
+#include "common/local_wall.hpp"
+#include "slave/compensation/wall_estimate.hpp"
+
+namespace farhand {
+
+struct WallFinderConfig {
+  double Ts = 0.001;
+  double servo_stiffness = 20000;  // Kp [N/m] of the robot at the tool
+  double bias = 1.1;               // of k over its estimate
+  double max_stiffness = 4000;     // [N/m] of k
+  double touch = 0.5;              // [N] a contact begins
+  double max_force = 20;           // [N] to which the target is held back
+  double place_time = 0.01;        // [s] filter of x_w and n
+  double miss_expected = 0.8, miss_felt = 0.2, miss_time = 0.02;  // [N], [s]: no wall any more
+  WallEstimateConfig estimate;
+};
+
+class WallFinder {
+ public:
+  explicit WallFinder(const WallFinderConfig& config) noexcept
+      : config_(config), estimate_(config.estimate) {}
+
+  // The target in place of x_wish, where the handle is thought to be. x, v: robot, measured; F_e:
+  // robot on environment; x_sd: the target of the last tick.
+  Vec3 step(const Vec3& x_wish, const Vec3& x_sd, const Vec3& x, const Vec3& v,
+            const Vec3& F_e) noexcept;
+  const LocalWall& wall() const noexcept { return wall_; }
+  void forget() noexcept { wall_.known = false; }
+  const WallEstimate& estimate() const noexcept { return estimate_; }
+
+ private:
+  void touch(const Vec3& x_sd, const Vec3& x, const Vec3& F_e) noexcept;
+  void place(const Vec3& x_sd, const Vec3& F_e) noexcept;
+  Vec3 hold_back(const Vec3& x_wish) const noexcept;
+
+  WallFinderConfig config_;
+  WallEstimate estimate_;
+  LocalWall wall_;
+  bool in_contact_ = false;
+  double missed_ = 0;        // [s]
+  Vec3 x_0_ = Vec3::Zero();  // where the contact began
+  Vec3 x_sd_ = Vec3::Zero();
+};
+
+}  // namespace farhand

@@ -1,0 +1,56 @@
+#include "common/method_choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace farhand {
+namespace {
+
+const MethodChoice& after(MethodChooser& c, double seconds, double rtt, bool sure, double felt) {
+  for (double t = 0; t < seconds; t += 0.001) c.step(rtt, sure, felt, 0.001);
+  return c.step(rtt, sure, felt, 0.001);
+}
+
+TEST(MethodChooser, GoesByDelayAndByWhatIsKnown) {
+  MethodChooser c({.device_damping = 10, .force_share = 1, .stiffest = 1000});
+  EXPECT_NEAR(c.direct_limit(), 0.005, 1e-15);
+  EXPECT_EQ(after(c, 0, 0, false, 0).method, Method::damped);  // nothing known yet
+  EXPECT_EQ(after(c, 0, 0.002, false, 0).method, Method::direct);
+  EXPECT_EQ(after(c, 0, 0.050, false, 0).method, Method::damped);
+  EXPECT_EQ(after(c, 0.9, 0.050, true, 0).method, Method::damped);
+  EXPECT_EQ(after(c, 0.2, 0.050, true, 0).method, Method::mmt);
+  EXPECT_EQ(after(c, 0, 0.050, false, 0).method, Method::damped);
+  EXPECT_GT(std::strlen(after(c, 0, 0.050, false, 0).reason), 10u);
+}
+
+TEST(MethodChooser, DoesNotGoBackAndForthAtTheLimit) {
+  MethodChooser c({});
+  EXPECT_EQ(after(c, 0, 0.0045, false, 0).method, Method::damped);
+  EXPECT_EQ(after(c, 0, 0.0039, false, 0).method, Method::direct);
+  EXPECT_EQ(after(c, 0, 0.0045, false, 0).method, Method::direct);
+  EXPECT_EQ(after(c, 0, 0.0055, false, 0).method, Method::damped);
+}
+
+TEST(MethodChooser, WaitsUntilLittleIsFelt) {
+  MethodChooser c({});
+  after(c, 0, 0.002, false, 0);
+  EXPECT_EQ(after(c, 1, 0.100, false, 3).method, Method::direct);
+  EXPECT_EQ(after(c, 0, 0.100, false, 0.4).method, Method::damped);
+}
+
+TEST(MethodBlend, ChangesAForceWithoutAJump) {
+  MethodBlend b;
+  EXPECT_EQ(b.step(Vec3(1, 0, 0), 0.001), Vec3(1, 0, 0));
+  b.start(Vec3(5, 0, 0));
+  double last = 5;
+  for (int i = 0; i < 310; ++i) {
+    const double F = b.step(Vec3(1, 0, 0), 0.001).x();
+    EXPECT_LE(std::abs(F - last), 4 * 0.001 / MethodBlend::kTime + 1e-12);
+    last = F;
+  }
+  EXPECT_EQ(last, 1);
+}
+
+}  // namespace
+}  // namespace farhand
