@@ -112,8 +112,8 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   to.set_force_wanted(from.force_wanted);
   to.set_dead_man_presses(from.dead_man_presses);
   to.set_clutch_presses(from.clutch_presses);
-  to.set_energy_in_joule(from.energy_in);
-  to.set_energy_out_joule(from.energy_out);
+  to.set_translation_energy_joule(from.energies.translation);
+  to.set_rotation_energy_joule(from.energies.rotation);
   put_if(from.has_user_wrench, from.F_user_M.force, to.mutable_user_force_in_master_newton());
   put_if(from.has_user_wrench, from.F_user_M.torque, to.mutable_user_torque_in_master_newton_m());
 }
@@ -133,8 +133,8 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
   to.force_wanted = from.force_wanted();
   to.dead_man_presses = from.dead_man_presses();
   to.clutch_presses = from.clutch_presses();
-  to.energy_in = from.energy_in_joule();
-  to.energy_out = from.energy_out_joule();
+  to.energies.translation = from.translation_energy_joule();
+  to.energies.rotation = from.rotation_energy_joule();
   to.has_user_wrench = from.user_force_in_master_newton_size() > 0;
   return get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
          get_if(to.has_user_wrench, from.user_torque_in_master_newton_m(), to.F_user_M.torque);
@@ -153,8 +153,8 @@ void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
   to.set_limits(from.limits);
   to.set_dead_man_presses_seen(from.dead_man_presses_seen);
   to.set_clutch_presses_seen(from.clutch_presses_seen);
-  to.set_energy_in_joule(from.energy_in);
-  to.set_energy_out_joule(from.energy_out);
+  to.set_translation_energy_joule(from.energies.translation);
+  to.set_rotation_energy_joule(from.energies.rotation);
   put_if(from.has_robot, from.p_MR, to.mutable_position_robot_in_master_m());
   put_if(from.has_robot, wxyz(from.q_MR), to.mutable_orientation_robot_in_master_wxyz());
   put_if(from.has_robot, from.V_MR.angular,
@@ -190,8 +190,8 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
   to.limits = from.limits();
   to.dead_man_presses_seen = from.dead_man_presses_seen();
   to.clutch_presses_seen = from.clutch_presses_seen();
-  to.energy_in = from.energy_in_joule();
-  to.energy_out = from.energy_out_joule();
+  to.energies.translation = from.translation_energy_joule();
+  to.energies.rotation = from.rotation_energy_joule();
   return get_robot(from, to);
 }
 
@@ -245,14 +245,15 @@ Verdict decode_with(PayloadType type, std::span<const std::byte> payload, Proto&
 
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
-         in_range(m.reason) && std::isfinite(m.energy_in) && std::isfinite(m.energy_out) &&
-         finite(m.F_user_M);
+         in_range(m.reason) && std::isfinite(m.energies.translation) &&
+         std::isfinite(m.energies.rotation) && finite(m.F_user_M);
 }
 
 bool valid(const SlaveToMaster& m) noexcept {
   return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && finite(m.F_E_M) &&
-         in_range(m.mode) && in_range(m.reason) && std::isfinite(m.energy_in) &&
-         std::isfinite(m.energy_out) && m.p_MR.allFinite() && is_rotation(m.q_MR) && finite(m.V_MR);
+         in_range(m.mode) && in_range(m.reason) && std::isfinite(m.energies.translation) &&
+         std::isfinite(m.energies.rotation) && m.p_MR.allFinite() && is_rotation(m.q_MR) &&
+         finite(m.V_MR);
 }
 
 bool valid(const Header& h) noexcept {

@@ -169,6 +169,7 @@ void Link<Out, In>::accept(const Header& header, TimePoint now) noexcept {
   newest_ = {.message = incoming_,
              .sequence = header.sequence,
              .echo_sequence = header.echo_sequence,
+             .echo_sent = duration(header.echo_sent),
              .received = now,
              .sent = sent,
              .transit = clock.valid ? std::max(transit, Duration::zero()) : Duration::zero(),

@@ -64,7 +64,8 @@ template <typename In>
 struct Received {
   In message;
   std::uint64_t sequence = 0;
-  std::uint64_t echo_sequence = 0;  // our newest that the peer had when it sent this
+  std::uint64_t echo_sequence = 0;  // our newest that the peer had when it sent this; 0: none
+  Duration echo_sent{};             // when that was sent, on our clock since its epoch
   TimePoint received{};             // our clock
   Duration sent{};                  // the peer's clock, since its epoch
   Duration transit{};               // estimate of the way here, as of its arrival; 0 while unknown

@@ -8,10 +8,11 @@ namespace farhand {
 
 template <typename Message>
 struct Peer {
-  const Message* newest = nullptr;  // nullptr: none since the connection began
-  bool connected = false;           // heard within link.lost_ms
-  Duration age = Duration::max();   // since the newest arrived, on our clock
-  bool synced = false;              // its clock is known, and so how long a message takes
+  const Message* newest = nullptr;      // nullptr: none since the connection began
+  bool connected = false;               // heard within link.lost_ms
+  Duration age = Duration::max();       // since the newest arrived, on our clock
+  bool synced = false;                  // its clock is known, and so how long a message takes
+  Duration echo_age = Duration::max();  // of our message that it answers; max before one
 };
 
 // As the link sees it at `now`; silence beyond `lost` ends the connection. `link` is a Link<Out,
@@ -24,7 +25,9 @@ Peer<Message> peer(const AnyLink& link, TimePoint now, Duration lost) noexcept {
   return {.newest = &newest->message,
           .connected = age <= lost,
           .age = age,
-          .synced = newest->transit_known};
+          .synced = newest->transit_known,
+          .echo_age = newest->echo_sequence == 0 ? Duration::max()
+                                                 : now.time_since_epoch() - newest->echo_sent};
 }
 
 }  // namespace farhand

@@ -26,6 +26,27 @@ void needs_both_forces(SceneRules& rules) {
 
 }  // namespace
 
+void add_compensation_rules(SceneRules& r) {
+  using C = proto::Compensation;
+  using D = proto::DampedCompensation;
+  rule<C>(
+      r, "", [](const C& c) { return c.method_case() == C::METHOD_NOT_SET; }, "names no method",
+      "add damped {}, or remove it");
+  rule<C>(
+      r, "", [](const Scene& s, const C&) { return !s.has_slave(); },
+      "makes up for a network to nowhere without a slave", "remove it");
+  rule<C>(
+      r, "", [](const Scene& s, const C&) { return !s.master().has_force_feedback(); },
+      "gives a force that nobody feels", "add force_feedback {} to the master, or remove it");
+  rule<D>(
+      r, "", [](const Scene& s, const D&) { return !s.slave().has_force_sensing(); },
+      "lets contact push the robot's target back, which nothing senses",
+      "add force_sensing {} to the slave");
+  not_on_falcon<D>(r, {"rotation_stiffness_newton_m_per_rad", "max_rotation_damping_newton_m_s",
+                       "twist_stiffness_newton_m_per_rad", "max_twist_damping_newton_m_s",
+                       "virtual_inertia_kg_m2"});
+}
+
 void add_bilateral_rules(SceneRules& r) {
   using B = proto::Bilateral;
   rule<B>(
@@ -39,6 +60,10 @@ void add_bilateral_rules(SceneRules& r) {
   rule<B>(
       r, "", [](const Scene& s, const B&) { return !s.master().has_force_feedback(); },
       "has channels back that nobody feels", "add force_feedback {} to the master, or remove it");
+  rule<B>(
+      r, "", [](const Scene& s, const B&) { return s.has_compensation(); },
+      "has channels of its own, and so has the compensation",
+      "remove one of the two: compensation {} goes with position-force");
   needs_both_forces<proto::ForcePosition>(r);
   needs_both_forces<proto::ForceForce>(r);
   not_on_falcon<proto::RobotCoupling>(

@@ -8,6 +8,7 @@
 
 #include "common/geometry.hpp"
 #include "common/mode.hpp"
+#include "common/ports.hpp"
 
 namespace farhand {
 
@@ -73,8 +74,7 @@ struct MasterToSlave {
   bool force_wanted = false;           // send me the wrench
   std::uint32_t dead_man_presses = 0;  // edges since the session began: none is missed by a loss
   std::uint32_t clutch_presses = 0;
-  double energy_in = 0;  // [J] cumulative, from this port into the network (reserved for passivity)
-  double energy_out = 0;  // [J] cumulative, out of the network at this port
+  PortEnergies energies;  // of the master's port; 0 without a compensation that guards it
   bool has_user_wrench = false;
   Wrench F_user_M;  // user on handle at H, M axes
 };
@@ -90,8 +90,7 @@ struct SlaveToMaster {
   std::uint32_t limits = 0;            // bit set: what holds the robot back (common/limits.hpp)
   std::uint32_t dead_man_presses_seen = 0;  // counts acted upon: the receipt for the master's edges
   std::uint32_t clutch_presses_seen = 0;
-  double energy_in = 0;  // [J] as above, at the slave's port
-  double energy_out = 0;
+  PortEnergies energies;  // of the slave's port
   bool has_robot = false;
   // The robot as a handle: the pose and velocity of H that mean where the tool is.
   Vec3 p_MR = Vec3::Zero();

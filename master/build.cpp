@@ -44,6 +44,22 @@ double max_motor_torque(const proto::Master& m) {
                         : m.twin_delta().max_motor_torque_newton_meter();
 }
 
+DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
+  const proto::DampedCompensation& d = scene.compensation().damped();
+  DampedCouplingConfig c;
+  c.rotation = scene.master().has_twin_delta() && !scene.slave().workspace().rotation_lock();
+  c.translation.stiffness = d.stiffness_newton_per_m();
+  c.translation.max_damping = d.max_damping_newton_s_per_m();
+  c.tilt.stiffness = d.rotation_stiffness_newton_m_per_rad();
+  c.tilt.max_damping = d.max_rotation_damping_newton_m_s();
+  c.twist.stiffness = d.twist_stiffness_newton_m_per_rad();
+  c.twist.max_damping = d.max_twist_damping_newton_m_s();
+  for (double* period : {&c.translation.delay.Ts, &c.tilt.delay.Ts, &c.twist.delay.Ts, &c.guard.Ts,
+                         &c.rotation_guard.Ts})
+    *period = Ts;
+  return c;
+}
+
 RobotCouplingConfig robot_coupling(const proto::RobotCoupling& c) {
   return {.stiffness = c.stiffness_newton_per_m(),
           .damping = c.damping_newton_s_per_m(),
@@ -140,6 +156,10 @@ MasterConfig master_config(const proto::Scene& scene) {
   const Channels ch = channels(scene);
   c.reflects_contact = ch.contact_force;
   c.sends_user_wrench = ch.user_force;
+  if (scene.compensation().has_damped()) {
+    c.damped = damped_coupling(scene, c.Ts);
+    c.reflects_contact = false;
+  }
   if (ch.robot_position) c.robot_coupling = robot_coupling(coupling(scene.bilateral()));
   if (m.has_position_control()) c.position_control = position_control(m.position_control(), c.Ts);
   if (m.has_guidance()) c.guidance = guidance(m.guidance());
@@ -180,6 +200,10 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   if (m.has_force_feedback()) {
     out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
                               m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
+    if (scene.compensation().has_damped())
+      out.push_back(fmt::format(
+          "damped            {:g} N/m to the robot's place, damped by the delay, guarded",
+          scene.compensation().damped().stiffness_newton_per_m()));
     if (channels(scene).robot_position)
       out.push_back(fmt::format("robot_coupling    {:g} N/m to the robot's position",
                                 coupling(scene.bilateral()).stiffness_newton_per_m()));

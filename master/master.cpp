@@ -12,6 +12,7 @@ Master::Master(const MasterConfig& config)
     : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
   if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
+  if (config.damped) damped_.emplace(*config.damped);
   if (config.position_control) position_.emplace(*config.position_control, config.Ts);
   maps_forces_ = force_sensing_ || force_ || position_;
   tick_.out.force_wanted = wants_force(config);
@@ -34,6 +35,7 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
   out.reason = tick_.reason;
+  if (damped_) out.energies = damped_->told();
   out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
   if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
@@ -118,7 +120,9 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 }
 
 // What of the slave's side is felt, by the bilateral architecture.
-Wrench Master::environment(const SlaveToMaster& in, double share) noexcept {
+Wrench Master::environment(const Peer<SlaveToMaster>& slave, double share) noexcept {
+  const SlaveToMaster& in = *slave.newest;
+  if (damped_) return damped_->step(tick_.handle, tick_.out.V_MH, in, slave.echo_age, share);
   Wrench F_G;
   if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
   if (config_.robot_coupling) {
@@ -159,7 +163,8 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   const double share = felt ? fade(config_.force_feedback->compensation, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   if (config_.robot_coupling) tick_.F_coupling_G = {};
-  tick_.F_env_G = felt ? environment(*slave.newest, share) : Wrench{};
+  tick_.F_env_G = felt ? environment(slave, share) : Wrench{};
+  if (damped_ && !felt) damped_->let_go();
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,

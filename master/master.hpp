@@ -12,6 +12,7 @@
 #include "common/time.hpp"
 #include "common/wire.hpp"
 #include "master/compensation.hpp"
+#include "master/compensation/damped_coupling.hpp"
 #include "master/force_controller.hpp"
 #include "master/force_sensing.hpp"
 #include "master/guidance.hpp"
@@ -38,6 +39,7 @@ struct MasterConfig {
   std::optional<HandleForceSensingConfig> force_sensing;  // twin delta only
   std::optional<ForceFeedbackConfig> force_feedback;
   bool reflects_contact = true;                       // the slave's contact wrench is felt
+  std::optional<DampedCouplingConfig> damped;         // instead of the contact wrench
   std::optional<RobotCouplingConfig> robot_coupling;  // the robot's position is felt, too
   bool sends_user_wrench = false;
   std::optional<PositionControlConfig> position_control;
@@ -96,7 +98,7 @@ class Master {
   bool usable() const noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
-  Wrench environment(const SlaveToMaster& in, double share) noexcept;
+  Wrench environment(const Peer<SlaveToMaster>& slave, double share) noexcept;
   Vec3 pressed_on(const Peer<SlaveToMaster>& slave) const noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;
   Wrench wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept;
@@ -107,6 +109,7 @@ class Master {
   std::optional<HandleForceSensing> force_sensing_;
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;
+  std::optional<DampedCoupling> damped_;
   bool maps_forces_ = false;  // some stage needs the map between wrenches and motors
   Status forces_ = Status::not_finite;
   Wrench F_given_G_;  // of the motors' torques written last

@@ -93,6 +93,25 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
   return c;
 }
 
+DampedTargetConfig damped_target(const proto::Scene& scene, const SlaveConfig& slave) {
+  const proto::DampedCompensation& d = scene.compensation().damped();
+  DampedTargetConfig c;
+  c.rotation = scene.master().has_twin_delta() && !slave.workspace.rotation_lock;
+  c.translation.stiffness = d.stiffness_newton_per_m();
+  c.translation.max_damping = d.max_damping_newton_s_per_m();
+  c.turn.stiffness = d.rotation_stiffness_newton_m_per_rad();
+  c.turn.max_damping = d.max_rotation_damping_newton_m_s();
+  c.mass.mass = d.virtual_mass_kg();
+  c.mass.contact_damping = d.contact_damping_newton_s_per_m();
+  c.mass.max_speed = slave.workspace.position_step / slave.Ts / slave.workspace.scale;
+  c.inertia.mass = d.virtual_inertia_kg_m2();
+  c.inertia.max_speed = slave.workspace.rotation_step / slave.Ts;
+  for (double* Ts : {&c.translation.delay.Ts, &c.turn.delay.Ts, &c.mass.Ts, &c.inertia.Ts,
+                     &c.guard.Ts, &c.rotation_guard.Ts})
+    *Ts = slave.Ts;
+  return c;
+}
+
 // What the bilateral architecture sends and takes.
 void add_channels(const proto::Scene& scene, SlaveConfig& c) {
   c.sends_robot = channels(scene).robot_position;
@@ -105,6 +124,10 @@ void add_channels(const proto::Scene& scene, SlaveConfig& c) {
                     .rotation_damping = f.virtual_rotation_damping_newton_m_s(),
                     .max_speed = c.workspace.position_step / c.Ts,
                     .max_turn_rate = c.workspace.rotation_step / c.Ts};
+  }
+  if (scene.compensation().has_damped()) {
+    c.sends_robot = true;
+    c.damped = damped_target(scene, c);
   }
   if (scene.bilateral().has_force_force()) {
     const proto::ForceForce& f = scene.bilateral().force_force();
@@ -154,6 +177,10 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   if (scene.bilateral().has_force_position())
     out.push_back(fmt::format("admittance      the user's force moves {:g} kg, the target",
                               scene.bilateral().force_position().virtual_mass_kg()));
+  if (scene.compensation().has_damped())
+    out.push_back(
+        fmt::format("compensation    damped: {:g} kg on a spring to the handle, the target",
+                    scene.compensation().damped().virtual_mass_kg()));
   out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}",
                             s.workspace().scale(),
                             s.workspace().rotation_lock() ? ", orientation kept" : ""));
@@ -176,7 +203,9 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
     out.push_back(
         "force_sensing   contact wrench, tool weight and bias removed, sent to the master");
   out.push_back(std::string("link            send the tool's pose") +
-                (channels(scene).robot_position ? ", also as a handle pose" : ""));
+                (channels(scene).robot_position || scene.compensation().has_damped()
+                     ? ", also as a handle pose"
+                     : ""));
   return out;
 }
 

@@ -15,6 +15,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
+  if (config.damped) damped_.emplace(*config.damped);
   if (config.admittance) admittance_.emplace(*config.admittance);
   if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
 }
@@ -33,7 +34,7 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
     tick_.singularity = arm.singularity;
     tick_.out.V_SE = tool_twist(arm.J, robot.dq);
     if (force_sensing_) tick_.F_E_S = force_sensing_->step(robot.F_E_S, arm.X_SE);
-    move_target(master.newest);
+    move_target(master);
     command_joints(arm.J, master.newest);
   }
   answer(master.newest);
@@ -62,16 +63,16 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
-void Slave::move_target(const MasterToSlave* in) noexcept {
+void Slave::move_target(const Peer<MasterToSlave>& master) noexcept {
   if (!started_) {
     started_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
     uncouple(workspace_, tick_.X_SE);
     tick_.X_SE_target = tick_.X_SE;
   }
-  tick_.coupled = tick_.mode == Mode::engaged && !in->clutch;
+  tick_.coupled = tick_.mode == Mode::engaged && !master.newest->clutch;
   tick_.inverse = Status::ok;
-  if (tick_.coupled) return follow_handle(*in);
+  if (tick_.coupled) return follow_handle(master);
   if (boundary_) boundary_->relax();
   if (!workspace_.coupled) return;
   q_target_ = tick_.q_cmd;
@@ -79,15 +80,18 @@ void Slave::move_target(const MasterToSlave* in) noexcept {
   tick_.X_SE_target = workspace_.X_SE_target;
 }
 
-void Slave::follow_handle(const MasterToSlave& in) noexcept {
+void Slave::follow_handle(const Peer<MasterToSlave>& master) noexcept {
+  const MasterToSlave& in = *master.newest;
   const Pose X_MH{in.q_MH.toRotationMatrix(), in.p_MH};
   if (!workspace_.coupled) {
     couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
     if (boundary_) boundary_->couple(tick_.q_cmd);
     if (admittance_) admittance_->stop();
+    if (damped_) damped_->start(X_MH);
     tick_.X_SE_target = workspace_.X_SE_target;
   }
   if (admittance_) return follow_push(in);
+  if (damped_) return follow_spring(master);
   tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
   reach();
 }
@@ -101,6 +105,19 @@ void Slave::follow_push(const MasterToSlave& in) noexcept {
   if (tick_.inverse == Status::ok) return;
   tick_.X_SE_target = last;
   admittance_->stop();
+}
+
+// A virtual mass on a spring to the handle, which contact pushes back; it stops where the arm
+// cannot follow.
+void Slave::follow_spring(const Peer<MasterToSlave>& master) noexcept {
+  const Pose last = tick_.X_SE_target;
+  const Pose X_MT =
+      damped_->step(as_handle(config_.workspace, workspace_, last), *master.newest, master.age,
+                    master.echo_age, reflect(config_.workspace, tick_.F_E_S));
+  workspace_.X_SE_target = last;
+  tick_.X_SE_target = follow(config_.workspace, workspace_, X_MT, tick_.limits);
+  reach();
+  if (tick_.inverse != Status::ok) tick_.X_SE_target = last;
 }
 
 // The tool target becomes a joint target if it can be reached; otherwise the last one stays, or
@@ -150,6 +167,7 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
   if (config_.sends_robot) tell_where();
+  if (damped_) out.energies = damped_->told();
   if (boundary_)
     out.F_E_M = reflect(config_.workspace, tick_.F_E_S + boundary_->F_E_S());
   else if (force_sensing_)

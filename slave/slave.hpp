@@ -11,6 +11,7 @@
 #include "common/wire.hpp"
 #include "slave/arm.hpp"
 #include "slave/boundary.hpp"
+#include "slave/compensation/damped_target.hpp"
 #include "slave/force_sensing.hpp"
 #include "slave/joint_servo.hpp"
 #include "slave/robot.hpp"
@@ -35,6 +36,7 @@ struct SlaveConfig {
   bool sends_robot = false;                    // the robot's pose as a handle pose
   std::optional<AdmittanceConfig> admittance;  // the user's force moves the target
   std::optional<UserForceConfig> user_force;   // the user's force pushes the arm
+  std::optional<DampedTargetConfig> damped;    // the target is a mass on a spring to the handle
 };
 
 // Everything one tick read, decided and sent; the recorder takes it whole.
@@ -78,9 +80,10 @@ class Slave {
 
  private:
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
-  void move_target(const MasterToSlave* in) noexcept;
-  void follow_handle(const MasterToSlave& in) noexcept;
+  void move_target(const Peer<MasterToSlave>& master) noexcept;
+  void follow_handle(const Peer<MasterToSlave>& master) noexcept;
   void follow_push(const MasterToSlave& in) noexcept;
+  void follow_spring(const Peer<MasterToSlave>& master) noexcept;
   void reach() noexcept;
   void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
   void answer(const MasterToSlave* in) noexcept;
@@ -95,6 +98,7 @@ class Slave {
   std::optional<ForceSensing> force_sensing_;
   std::optional<Boundary> boundary_;
   std::optional<Admittance> admittance_;
+  std::optional<DampedTarget> damped_;
   ModeState state_;
   bool stop_ = false;
   std::uint32_t clutch_presses_ = 0;  // of the last message seen

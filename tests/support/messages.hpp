@@ -47,8 +47,8 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.force_wanted = random_bool(random);
   m.dead_man_presses = random_count(random);
   m.clutch_presses = random_count(random);
-  m.energy_in = random.normal();
-  m.energy_out = random.normal();
+  m.energies.translation = random.normal();
+  m.energies.rotation = random.normal();
   m.has_user_wrench = random_bool(random);
   m.F_user_M = {};
   if (!m.has_user_wrench) return;
@@ -68,8 +68,8 @@ inline void randomise(Random& random, SlaveToMaster& m) {
   m.limits = random_count(random);
   m.dead_man_presses_seen = random_count(random);
   m.clutch_presses_seen = random_count(random);
-  m.energy_in = random.normal();
-  m.energy_out = random.normal();
+  m.energies.translation = random.normal();
+  m.energies.rotation = random.normal();
   m.has_robot = random_bool(random);
   m.p_MR = m.has_robot ? random_vector(random) : Vec3::Zero();
   m.q_MR = m.has_robot ? random_rotation(random) : Quat::Identity();
@@ -85,18 +85,19 @@ inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
          a.mode == b.mode && a.reason == b.reason && a.dead_man == b.dead_man &&
          a.clutch == b.clutch && a.force_wanted == b.force_wanted &&
          a.dead_man_presses == b.dead_man_presses && a.clutch_presses == b.clutch_presses &&
-         a.energy_in == b.energy_in && a.energy_out == b.energy_out &&
-         a.has_user_wrench == b.has_user_wrench && a.F_user_M.force == b.F_user_M.force &&
-         a.F_user_M.torque == b.F_user_M.torque;
+         a.energies.translation == b.energies.translation &&
+         a.energies.rotation == b.energies.rotation && a.has_user_wrench == b.has_user_wrench &&
+         a.F_user_M.force == b.F_user_M.force && a.F_user_M.torque == b.F_user_M.torque;
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
          a.F_E_M.force == b.F_E_M.force && a.F_E_M.torque == b.F_E_M.torque && a.mode == b.mode &&
          a.reason == b.reason && a.coupled == b.coupled && a.limits == b.limits &&
          a.dead_man_presses_seen == b.dead_man_presses_seen &&
-         a.clutch_presses_seen == b.clutch_presses_seen && a.energy_in == b.energy_in &&
-         a.energy_out == b.energy_out && a.has_robot == b.has_robot && a.p_MR == b.p_MR &&
-         a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
+         a.clutch_presses_seen == b.clutch_presses_seen &&
+         a.energies.translation == b.energies.translation &&
+         a.energies.rotation == b.energies.rotation && a.has_robot == b.has_robot &&
+         a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
 }
 
 }  // namespace farhand
