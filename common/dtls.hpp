@@ -52,7 +52,8 @@ struct DtlsConfig {
   // A flight without an answer is sent again after so long; doubled each time, up to the second.
   Duration resend = std::chrono::milliseconds(100);
   Duration most_resend = std::chrono::milliseconds(400);
-  // A server keeps a handshake against those from other addresses for so long.
+  // A server keeps a handshake against those from other addresses for so long. Only the host of the
+  // client authenticated last comes before strangers.
   Duration protection = std::chrono::seconds(1);
   // No handshake lasts longer.
   Duration limit = std::chrono::seconds(5);
@@ -107,6 +108,7 @@ class DtlsHandshake {
   void begin(TimePoint now);
   void on_hello(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
   bool prove(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  bool from_client_host(UdpAddress address) const noexcept;
   void on_alert(std::span<const std::byte> datagram) noexcept;
   void step(std::span<const std::byte> datagram, TimePoint now);
   void advance(std::span<const std::byte> record, TimePoint now);
@@ -122,6 +124,7 @@ class DtlsHandshake {
   std::array<std::byte, 32> hello_{};  // its client's random number: tells attempts apart
   TimePoint since_{};                  // its begin
   std::optional<UdpAddress> server_;   // client: wanted
+  std::optional<UdpAddress> client_;   // server: authenticated last
   // Server: the last flight of a handshake that is done, sent again for each of the client's.
   bool repeats_last_ = false;
 

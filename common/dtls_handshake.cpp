@@ -88,6 +88,13 @@ void DtlsHandshake::send_again() noexcept {
   ++context_->counters.resent;
 }
 
+// Where the last authenticated client was: a restarted one comes back from there, by another port.
+bool DtlsHandshake::from_client_host(UdpAddress address) const noexcept {
+  if (!client_) return false;
+  address.port = client_->port;
+  return address == *client_;
+}
+
 // The copy of a hello whose handshake is known must not begin it again.
 void DtlsHandshake::on_hello(std::span<const std::byte> datagram, const UdpAddress& from,
                              TimePoint now) {
@@ -95,7 +102,8 @@ void DtlsHandshake::on_hello(std::span<const std::byte> datagram, const UdpAddre
   const bool known = (pending_ || repeats_last_) && from == peer_ &&
                      std::equal(random.begin(), random.end(), hello_.begin());
   const bool occupied = pending_ && from != peer_ && now - since_ < config_.protection;
-  if (known || occupied) {
+  const bool precedes = from_client_host(from) && !from_client_host(peer_);
+  if (known || (occupied && !precedes)) {
     ++context_->counters.ignored;
     return;
   }
@@ -159,6 +167,7 @@ void DtlsHandshake::advance(std::span<const std::byte> record, TimePoint now) {
     session_ = std::make_unique<DtlsSession>(std::move(pending_));
     server_.reset();
     repeats_last_ = listener_ != nullptr;
+    client_ = peer_;
   } else if (!waits) {
     end(context_->counters.failed, now);
   }

@@ -5,9 +5,9 @@
 namespace farhand {
 namespace {
 
-constexpr std::size_t kOverhead = kDtlsHeaderBytes + kDtlsTagBytes;
+constexpr std::size_t kRecordOverhead = kDtlsHeaderBytes + kDtlsTagBytes;
 // Where the fields of a record's header are; numbers are big endian.
-constexpr std::size_t kVersionAt = 1, kEpochAt = 3, kLengthAt = 11;
+constexpr std::size_t kVersionAt = 1, kEpochAt = 3, kRecordLengthAt = 11;
 constexpr unsigned kDtls10 = 0xfeff, kDtls12 = 0xfefd;  // a first hello may say 1.0
 constexpr unsigned kDataEpoch = 1;                      // after the only handshake
 
@@ -18,12 +18,13 @@ unsigned number(std::span<const std::byte> bytes, std::size_t at) noexcept {
 }  // namespace
 
 Verdict judge_record(std::span<const std::byte> datagram) noexcept {
-  if (datagram.size() <= kOverhead) return Verdict::too_short;
+  if (datagram.size() <= kRecordOverhead) return Verdict::too_short;
   if (datagram.size() > kMaxDatagramBytes) return Verdict::too_long;
   if (number(datagram, kVersionAt) != kDtls12) return Verdict::bad_magic;
   if (datagram[0] != std::byte{SSL3_RT_APPLICATION_DATA}) return Verdict::wrong_content;
   if (number(datagram, kEpochAt) != kDataEpoch) return Verdict::wrong_epoch;
-  if (number(datagram, kLengthAt) != datagram.size() - kDtlsHeaderBytes) return Verdict::bad_length;
+  if (number(datagram, kRecordLengthAt) != datagram.size() - kDtlsHeaderBytes)
+    return Verdict::bad_length;
   return Verdict::accepted;
 }
 
@@ -33,7 +34,7 @@ bool part_of_handshake(std::span<const std::byte> datagram) noexcept {
   const auto type = std::to_integer<int>(datagram[0]);
   const unsigned epoch = number(datagram, kEpochAt);
   return (version == kDtls12 || version == kDtls10) &&
-         number(datagram, kLengthAt) <= datagram.size() - kDtlsHeaderBytes &&
+         number(datagram, kRecordLengthAt) <= datagram.size() - kDtlsHeaderBytes &&
          (type == SSL3_RT_HANDSHAKE
               ? epoch <= kDataEpoch
               : epoch == 0 && (type == SSL3_RT_CHANGE_CIPHER_SPEC || type == SSL3_RT_ALERT));
@@ -47,7 +48,7 @@ DtlsSession::~DtlsSession() = default;
 std::size_t DtlsSession::seal(std::span<const std::byte> payload,
                               std::span<std::byte> datagram) noexcept {
   if (payload.empty() || payload.size() > kMaxPayloadBytes ||
-      payload.size() + kOverhead > datagram.size())
+      payload.size() + kRecordOverhead > datagram.size())
     return 0;
   DtlsConnection& c = *connection_;
   c.written = 0;

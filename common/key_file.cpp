@@ -75,7 +75,7 @@ Key make_key(const std::array<std::byte, kKeyBytes>& secret) {
 }
 
 Key load_key(const std::filesystem::path& path) {
-  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  const File file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
   if (file.fd < 0 || fstat(file.fd, &status) != 0)
     refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")",
@@ -105,7 +105,7 @@ Key write_new_key(const std::filesystem::path& path) {
   const std::string text = "# Farhand key " + key.name +
                            ". Whoever has it can move the robot: keep it secret.\n" +
                            hexadecimal(secret) + "\n";
-  const File file(open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR));
+  const File file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR));
   if (file.fd < 0 && errno == EEXIST)
     refuse(path, "exists", "name a new file; a key that is in use is never overwritten");
   if (file.fd < 0)

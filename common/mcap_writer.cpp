@@ -31,7 +31,7 @@ void McapWriter::Span::add(std::uint64_t from, std::uint64_t to) noexcept {
 }
 
 McapWriter::McapWriter(const std::string& path, std::string_view library)
-    : file_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)),
+    : file_(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)),
       head_(mcap::kMagic),
       packer_(ZSTD_createCCtx(), ZSTD_freeCCtx) {
   if (file_ < 0)

@@ -286,6 +286,23 @@ TEST_F(DtlsServer, ProtectsAHandshakeFromOtherAddresses) {
   EXPECT_EQ(server.counters().done, 1u);
 }
 
+// A stranger who begins again and again does not keep a restarted client out.
+TEST_F(DtlsServer, TheHostOfTheLastClientComesFirst) {
+  connect(client, kClientAddress);
+  UdpAddress restarted_at = kClientAddress;
+  ++restarted_at.port;
+  DtlsHandshake restarted(DtlsRole::client, kKey);
+  const Bytes proven = hello_with_cookie(restarted, restarted_at);
+  DtlsHandshake stranger(DtlsRole::client, kOtherKey), again(DtlsRole::client, kOtherKey);
+  const Bytes strange = hello_with_cookie(stranger, test_address(9));
+  const Bytes strange_again = hello_with_cookie(again, test_address(10));
+  EXPECT_FALSE(ask(strange, test_address(9)).empty());
+  const auto flight = ask(proven, restarted_at);
+  EXPECT_TRUE(ask(strange_again, test_address(10)).empty());
+  converse(restarted, flight, restarted_at);
+  EXPECT_EQ(server.counters().done, 2u);
+}
+
 TEST_F(DtlsServer, ASilentClientBlocksNobodyForLong) {
   ask(hello_with_cookie(client, kClientAddress), kClientAddress);
   now += seconds(1);
