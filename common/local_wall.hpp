@@ -1,5 +1,5 @@
-// Model-mediated teleoperation (Mitra and Niemeyer 2008, IJRR 27, 1021; Xu et al. 2016, IEEE ToH 9,
-// 160): what the slave found out about what it touches, a wall that the master renders without
+// Model-mediated teleoperation (Mitra and Niemeyer 2008, IJRR 27, 253; Xu et al. 2016, IEEE Access
+// 4, 425): what the slave found out about what it touches, a wall that the master renders without
 // delay. Flat near the contact, with stiffness and damping along its normal n:
 //
 //   F = max(0, k (x - x_w) . n + b v . n) n

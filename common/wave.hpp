@@ -1,4 +1,4 @@
-// Wave variables (Niemeyer and Slotine 1991, IEEE J. Oceanic Eng. 16, 146), the part that both
+// Wave variables (Niemeyer and Slotine 1991, IEEE J. Oceanic Eng. 16, 152), the part that both
 // sides share. Instead of force and velocity the sides send
 //
 //   u = (b v + F) / sqrt(2 b)  to the slave      w = (b v - F) / sqrt(2 b)  back

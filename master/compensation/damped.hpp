@@ -15,16 +15,20 @@ class DampedMaster {
 
   // Force of the handle on the coupling (the hand feels its opposite). stretch: handle less robot,
   // as a difference of positions or a rotation vector, from the newest message; v_m the handle's
-  // velocity, undelayed. A pure damper while the robot's place is not known: stretch = 0.
-  Vec3 step(const Vec3& stretch, const Vec3& v_m, Duration echo_age) noexcept {
+  // velocity, undelayed; F_e of the same message, robot on environment, of use with `touch` alone.
+  // A pure damper while the robot's place is not known: stretch = 0.
+  Vec3 step(const Vec3& stretch, const Vec3& v_m, const Vec3& F_e, Duration echo_age) noexcept {
     const SpringDamper s = spring_damper(config_, delay_.step(echo_age));
-    return s.K * stretch + s.B * v_m;
+    const double on = touch_.step(config_.touch, F_e.norm(), config_.delay.Ts);
+    const double drag = config_.touch ? (1 - on) * config_.touch->drag : 0;
+    return on * s.K * stretch + (on * s.B + drag) * v_m;
   }
   double delay() const noexcept { return delay_.delay(); }
 
  private:
   DampedConfig config_;
   EchoDelay delay_;
+  Touch touch_;
 };
 
 }  // namespace farhand

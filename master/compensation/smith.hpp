@@ -1,6 +1,6 @@
-// Smith predictor (Smith 1957, Chem. Eng. Prog. 53, 217; for teleoperation Huang and Lewis 2003): a
-// model of the robot's servo and of a registered wall runs where the handle is, and the delay is
-// taken out of the loop as far as the model is right,
+// Smith predictor (Smith 1957, Chem. Eng. Prog. 53, 217): a model of the robot's servo and of a
+// registered wall runs where the handle is, and the delay is taken out of the loop as far as the
+// model is right,
 //
 //   F = F_e(received) + kf (F_model(now) - F_model(then))
 //

@@ -33,16 +33,20 @@ class DampedSlave {
       : config_(config), delay_(config.delay) {}
 
   // F_s, of the network on the mass. stretch: handle, as received, less the target; v the velocity
-  // the target had in the last tick, whoever limited it. All in the handle's terms.
-  Vec3 step(const Vec3& stretch, const Vec3& v, Duration echo_age) noexcept {
+  // the target had in the last tick, whoever limited it; F_e robot on environment, of use with
+  // `touch` alone. All in the handle's terms.
+  Vec3 step(const Vec3& stretch, const Vec3& v, const Vec3& F_e, Duration echo_age) noexcept {
     const SpringDamper s = spring_damper(config_, delay_.step(echo_age));
-    return s.K * stretch - s.B * v;
+    const double on = touch_.step(config_.touch, F_e.norm(), config_.delay.Ts);
+    const double free = config_.touch ? (1 - on) * config_.touch->damping : 0;
+    return s.K * stretch - (on * s.B + free) * v;
   }
   double delay() const noexcept { return delay_.delay(); }
 
  private:
   DampedConfig config_;
   EchoDelay delay_;
+  Touch touch_;
 };
 
 // Velocity of the target in this tick, under F_s of the network and F_e, robot on environment.

@@ -89,10 +89,12 @@ struct Sample {
 
 class Direction {
  public:
+  static constexpr std::size_t kUnderWay = 1024;  // datagrams
   Direction(const std::optional<ImpairmentConfig>& config, const Rig& s, std::uint64_t seed)
-      : network_(config, seed), plain_from_(from_seconds(s.plain_from.value_or(1e6))) {
-    if (s.plain_from) plain_.emplace(ImpairmentConfig{.delay_ms = config->delay_ms}, seed);
-    if (s.twice) again_.emplace(ImpairmentConfig{.delay_ms = 7}, seed);
+      : network_(config, seed, kUnderWay), plain_from_(from_seconds(s.plain_from.value_or(1e6))) {
+    if (s.plain_from)
+      plain_.emplace(ImpairmentConfig{.delay_ms = config->delay_ms}, seed, kUnderWay);
+    if (s.twice) again_.emplace(ImpairmentConfig{.delay_ms = 7}, seed, kUnderWay);
   }
 
   void send(Message m, TimePoint now) {

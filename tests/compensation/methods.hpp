@@ -79,14 +79,16 @@ class Damped : public Guarded {
 
   double felt(const MasterView& m) override {
     const double stretch = m.from.in ? m.x - m.from.in->x : 0;
-    const double F = master_.step(along(stretch), along(m.v), m.from.echo_age).z();
+    const Vec3 F_e = along(m.from.in ? m.from.in->F : 0);
+    const double F = master_.step(along(stretch), along(m.v), F_e, m.from.echo_age).z();
     return guard(guards_.master, m.from.in ? fade({}, m.from.age) * F : F, m.x);
   }
   double target(const SlaveView& s) override {
     const double stretch = s.from.in ? reckon(s) - s.x_sd : 0;
-    double F_s = slave_.step(along(stretch), along(s.v_sd), s.from.echo_age).z();
+    const Vec3 v = along(s.v_sd), F_e = along(s.F_e);
+    double F_s = slave_.step(along(stretch), v, F_e, s.from.echo_age).z();
     F_s = -guard(guards_.slave, -F_s, s.x_sd);
-    return s.x_sd + Bench::kTs * step(mass_, along(s.v_sd), along(F_s), along(s.F_e)).z();
+    return s.x_sd + Bench::kTs * step(mass_, v, along(F_s), F_e).z();
   }
 
  private:
