@@ -15,7 +15,7 @@ Wrench DampedCoupling::step(const HandlePose& handle, const Twist& V_MH, const S
   translation_.hear(robot.energies.translation);
   rotation_.hear(robot.energies.rotation);
   const Vec3 stretch = robot.has_robot ? Vec3(handle.X_MH.p - robot.p_MR) : Vec3::Zero();
-  const Vec3 F_M = share * spring_.step(stretch, V_MH.linear, echo_age);
+  const Vec3 F_M = share * spring_.step(stretch, V_MH.linear, robot.F_E_M.force, echo_age);
   const Mat3 R_GM = handle.R_MG.transpose();
   Wrench F_G{.force = R_GM * translation_.step(F_M, handle.X_MH.p)};
   if (!rotates_) return F_G;
@@ -35,8 +35,8 @@ Vec3 DampedCoupling::torque(const HandlePose& handle, const Twist& V_MH, const S
   if (robot.has_robot)
     turn_G = R_GM * rotation_vector(handle.X_MH.R * robot.q_MR.toRotationMatrix().transpose());
   const Vec3 rate_G = R_GM * V_MH.angular;
-  Vec3 out = tilt_.step(turn_G, rate_G, echo_age);
-  out.z() = twist_.step(turn_G, rate_G, echo_age).z();
+  Vec3 out = tilt_.step(turn_G, rate_G, robot.F_E_M.torque, echo_age);
+  out.z() = twist_.step(turn_G, rate_G, robot.F_E_M.torque, echo_age).z();
   return out;
 }
 
