@@ -126,19 +126,17 @@ start_slave "$one"
 start_master "$one"
 wait_for slave 'READY -> ENGAGED' 1
 wait_for master 'READY -> ENGAGED' 1
-before="$(grep -c 'ENGAGED$' "$dir/slave" || true)"
-kill -9 "$master"
-wait "$master" 2>/dev/null || true
+before="$(count slave 'ENGAGED$')"
+kill_hard master
 start_master "$one"
 wait_for slave 'READY -> ENGAGED' $((before + 1))
-before="$(grep -c 'ENGAGED$' "$dir/master" || true)"
-kill -9 "$slave"
-wait "$slave" 2>/dev/null || true
+before="$(count master 'ENGAGED$')"
+kill_hard slave
 start_slave "$one"
 wait_for master 'READY -> ENGAGED' $((before + 1))
 wait_for slave 'READY -> ENGAGED' 1
-mode_lines master | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the master engaged without a release"
-stop_both INT
+engaged_only_by_a_press
+end INT master slave
 for side in master slave; do
   grep -q "key $(sed -n 's/^# Farhand key \([0-9a-f]*\).*/\1/p' "$dir/one.key")" "$dir/$side" || fail "the $side did not name its key"
 done
@@ -149,15 +147,15 @@ start_master "$(keyed two)"
 wait_for master 'the slave has another key than this side' 1
 wait_for slave 'a master that would connect has another key' 1
 wait_for master 'no answer from the slave' 1
-stop_both INT
-[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different keys left IDLE"
+end INT master slave
+[[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different keys left DISCONNECTED"
 grep -q 'farhand-keygen' "$dir/slave" || fail "the slave names no remedy"
-pass "different keys: both sides say so and stay idle"
+pass "different keys: both sides say so and stay apart"
 
 start_slave "$one"
 start_master
 wait_for master 'no answer from the slave' 1
-stop_both INT
+end INT master slave
 [[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "a master without the key was heard"
 pass "a master without a key is not heard by a slave that has one"
 
