@@ -35,8 +35,7 @@ std::vector<Message> messages(std::size_t n) {
               .coupled = true,
               .limits = static_cast<std::uint32_t>(generator() & 7),
               .dead_man_presses_seen = 1,
-              .energy_in = draw(10),
-              .energy_out = draw(10)};
+              .energies = {draw(10), draw(10)}};
   }
   return out;
 }
@@ -79,9 +78,10 @@ class Plain {
  private:
   struct Rest {
     Mode mode;
+    Reason reason;
     bool coupled;
-    std::uint32_t limits, dead_man, clutch, stops;
-    double energy_in, energy_out;
+    std::uint32_t limits, dead_man, clutch;
+    PortEnergies energies;
   };
   static constexpr double kPosition = 2, kUnit = 1, kTurn = 32, kSpeed = 8, kForce = 256,
                           kTorque = 32;
@@ -121,8 +121,8 @@ class Plain {
     put(to, b.F_E_M.force, kForce);
     put(to, b.F_E_M.torque, kTorque);
     const Rest rest{
-        b.mode,  b.coupled,   b.limits,    b.dead_man_presses_seen, b.clutch_presses_seen,
-        b.stops, b.energy_in, b.energy_out};
+        b.mode,    b.reason, b.coupled, b.limits, b.dead_man_presses_seen, b.clutch_presses_seen,
+        b.energies};
     std::memcpy(to, &rest, sizeof rest);
     to += sizeof rest;
   }
@@ -138,9 +138,9 @@ class Plain {
     get(from, b.F_E_M.torque, kTorque);
     Rest rest;
     std::memcpy(&rest, from, sizeof rest);
-    b.mode = rest.mode, b.coupled = rest.coupled, b.limits = rest.limits;
+    b.mode = rest.mode, b.reason = rest.reason, b.coupled = rest.coupled, b.limits = rest.limits;
     b.dead_man_presses_seen = rest.dead_man, b.clutch_presses_seen = rest.clutch;
-    b.stops = rest.stops, b.energy_in = rest.energy_in, b.energy_out = rest.energy_out;
+    b.energies = rest.energies;
   }
 };
 

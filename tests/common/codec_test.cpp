@@ -143,8 +143,8 @@ TEST(Codec, MessagesThatCannotBeAreNotSent) {
         [&](auto& m) { m.q_MH.w() = bad; },
         [&](auto& m) { m.V_MH.angular.x() = bad; },
         [&](auto& m) { m.V_MH.linear.y() = bad; },
-        [&](auto& m) { m.energy_in = bad; },
-        [&](auto& m) { m.energy_out = bad; },
+        [&](auto& m) { m.energies.translation = bad; },
+        [&](auto& m) { m.energies.rotation = bad; },
         [](auto& m) { m.mode = static_cast<Mode>(4); }};
     const std::function<void(SlaveToMaster&)> up[] = {
         [&](auto& m) { m.p_SE.x() = bad; },
@@ -153,8 +153,8 @@ TEST(Codec, MessagesThatCannotBeAreNotSent) {
         [&](auto& m) { m.V_SE.linear.x() = bad; },
         [&](auto& m) { m.F_E_M.force.y() = bad; },
         [&](auto& m) { m.F_E_M.torque.z() = bad; },
-        [&](auto& m) { m.energy_in = bad; },
-        [&](auto& m) { m.energy_out = bad; },
+        [&](auto& m) { m.energies.translation = bad; },
+        [&](auto& m) { m.energies.rotation = bad; },
         [](auto& m) { m.mode = static_cast<Mode>(200); }};
     for (const auto& fault : down) {
       MasterToSlave m;
@@ -219,7 +219,7 @@ TEST_F(Foreign, AMessageWithoutOneOfItsFieldsIsMalformed) {
 }
 
 TEST_F(Foreign, AFieldMoreForAFieldLessIsMalformedThoughTheSizeIsRight) {
-  message.clear_energy_in_joule();
+  message.clear_translation_energy_joule();
   message.mutable_unknown_fields()->AddFixed64(9, 1);  // as many bytes, under the number of a bool
   EXPECT_EQ(decoded(), Verdict::malformed);
 }
@@ -234,9 +234,9 @@ TEST_F(Foreign, NumbersThatAreNoneAreMalformed) {
   message.set_position_handle_in_master_m(1, kNan);
   EXPECT_EQ(decoded(), Verdict::malformed);
   message.set_position_handle_in_master_m(1, 0);
-  message.set_energy_out_joule(kInfinity);
+  message.set_rotation_energy_joule(kInfinity);
   EXPECT_EQ(decoded(), Verdict::malformed);
-  message.set_energy_out_joule(0);
+  message.set_rotation_energy_joule(0);
   message.set_orientation_handle_in_master_wxyz(0, 1 + 2e-6);
   EXPECT_EQ(decoded(), Verdict::malformed);
 }
