@@ -1,7 +1,10 @@
 // A bad network in a box, one direction: datagrams go in with the time, and come out late, changed,
 // twice or never. Sans I/O and seeded: same configuration, seed and calls, same bits out. Each
-// datagram draws the same number of random values whatever is configured, so a change of the delay
-// leaves it undecided neither which datagrams are lost nor which are doubled.
+// datagram draws its fate, its jitter and its copy's jitter from generators of their own whatever
+// is configured, so a change of one impairment leaves the draws of all others alone.
+//
+// A datagram meets a blackout, then the rate cap, then the losses, then the delays. Times of steps,
+// blackouts and drift count from the first datagram.
 #pragma once
 
 #include <array>
@@ -23,6 +26,13 @@ enum class JitterKind : std::uint8_t {
   gamma,    // shape 2, mean jitter_ms, on top of the delay: the usual shape of a queue
 };
 
+// All is lost from at_s for length_s, again every period_s (0: once). None if length_s is 0.
+struct Blackout {
+  double at_s = 0;
+  double length_s = 0;
+  double period_s = 0;
+};
+
 // Delays below zero become zero. Ratios are probabilities per datagram in [0, 1].
 struct ImpairmentConfig {
   double delay_ms = 0;
@@ -39,13 +49,30 @@ struct ImpairmentConfig {
   double reorder_ratio = 0;     // held back by reorder_hold_ms
   double reorder_hold_ms = 5;
   double corrupt_ratio = 0;  // one bit flipped
+  // Spikes: now and then the network stops for spike_ms, and what came meanwhile passes at its end.
+  double spike_ms = 0;
+  double spike_pause_s = 1;  // mean of the exponential pauses in between
+  // A longer way for a while: step_ms more from step_at_s for step_length_s (0: to the end).
+  double step_ms = 0;
+  double step_at_s = 0;
+  double step_length_s = 0;
+  double delay_drift_ms_per_s = 0;  // what the delay gains
+  std::array<Blackout, 8> blackouts{};
+  // Token bucket of cap_burst_bytes, filled at the rate (0: no cap). One that would have to wait
+  // longer than cap_queue_bytes take at the rate is dropped. Bytes of datagrams, without headers.
+  double cap_kbit_per_s = 0;
+  double cap_burst_bytes = 1500;
+  double cap_queue_bytes = 15000;
 };
 
-// pushed == lost + overflowed + oversized + (popped + waiting - duplicated)
+// pushed == lost + blacked_out + capped + overflowed + oversized +
+//           (popped + waiting - duplicated)
 struct ImpairmentCounters {
   std::uint64_t pushed = 0;
   std::uint64_t popped = 0;
   std::uint64_t lost = 0;
+  std::uint64_t blacked_out = 0;
+  std::uint64_t capped = 0;  // the cap's queue was full
   std::uint64_t duplicated = 0;
   std::uint64_t held_back = 0;
   std::uint64_t corrupted = 0;
@@ -89,14 +116,21 @@ class Impairment {
   static bool later(const Due& a, const Due& b) noexcept;
 
   bool lost() noexcept;
-  Duration transit(bool held_back) noexcept;
-  double jitter() noexcept;
+  bool blacked_out(TimePoint now) const noexcept;
+  // When the cap lets it go; nothing if its queue is full.
+  std::optional<TimePoint> through_cap(std::size_t bytes, TimePoint now) noexcept;
+  double jitter_ms(Random& random) noexcept;
+  double way_ms(TimePoint now) const noexcept;  // delay, step and drift
+  Duration stalled(TimePoint now) noexcept;
   void schedule(std::span<const std::byte> datagram, TimePoint at,
                 std::optional<std::size_t> bit) noexcept;
 
   ImpairmentConfig config_;
-  Random fate_;    // a fixed number of draws per datagram
-  Random timing_;  // as many as the jitter takes
+  Random fate_;                  // a fixed number of draws per datagram
+  Random timing_, copy_timing_;  // as many as the jitter takes
+  Random pauses_;
+  std::optional<TimePoint> begin_;
+  TimePoint stall_{}, bucket_full_ = TimePoint::min();
   bool in_burst_ = false;
   TimePoint last_due_ = TimePoint::min();
   std::uint64_t order_ = 0;

@@ -46,6 +46,11 @@ std::string LoopReport::table() const {
       overruns, us(overrun_own), us(overrun_machine));
   out += fmt::format("  datagrams received {}, dropped {}, lost {}, reordered {}, not sent {}\n",
                      last.received, last.dropped, last.lost, last.reordered, last.not_sent);
+  if (last.round_trip_known)
+    out += fmt::format(
+        "  at the end: way here {:.1f} us, jitter {:.1f} us, clock offset known to {:.1f} us, "
+        "drift {:.2f} ppm\n",
+        us(last.transit), us(last.jitter), us(last.clock_uncertainty), 1e6 * last.clock_drift);
   return out;
 }
 

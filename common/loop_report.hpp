@@ -15,7 +15,11 @@ namespace farhand {
 struct LinkStatus {
   Duration round_trip{};
   bool round_trip_known = false;
+  Duration transit{};  // of the newest message, as estimated; 0 while unknown
+  Duration jitter{};
   Duration clock_offset{};  // partner's monotonic clock minus ours; 0 while unknown
+  Duration clock_uncertainty{};
+  double clock_drift = 0;  // of the offset, per second
   std::uint64_t received = 0;
   std::uint64_t dropped = 0;
   std::uint64_t lost = 0;
@@ -27,9 +31,14 @@ struct LinkStatus {
 template <typename L>
 LinkStatus link_status(const L& link, std::uint64_t not_sent) noexcept {
   const LinkQuality& q = link.quality();
+  const ClockEstimate clock = link.clock();
   return {.round_trip = q.round_trip,
           .round_trip_known = q.round_trip_known,
-          .clock_offset = link.clock().offset,
+          .transit = link.newest() != nullptr ? link.newest()->transit : Duration::zero(),
+          .jitter = q.jitter,
+          .clock_offset = clock.offset,
+          .clock_uncertainty = clock.uncertainty,
+          .clock_drift = clock.drift,
           .received = link.counters().received,
           .dropped = link.counters().dropped(),
           .lost = q.lost,

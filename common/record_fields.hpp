@@ -27,7 +27,11 @@ void set_timing(Record& to, const LoopTiming& t) {
 template <typename Record>
 void set_link(Record& to, const LinkStatus& s) {
   to.set_round_trip_us(s.round_trip_known ? microseconds(s.round_trip) : 0);
+  to.set_transit_us(microseconds(s.transit));
+  to.set_jitter_us(microseconds(s.jitter));
   to.set_clock_offset_ns(s.clock_offset.count());
+  to.set_clock_uncertainty_us(microseconds(s.clock_uncertainty));
+  to.set_clock_drift_ppm(plotted<12>(1e6 * s.clock_drift));
   to.set_received(s.received);
   to.set_dropped(s.dropped);
   to.set_lost(s.lost);

@@ -170,6 +170,10 @@ void link_rules(Rules& r) {
       r, "burst_leave_ratio",
       [](const I& i) { return i.burst_enter_ratio() > 0 && i.burst_leave_ratio() == 0; },
       "means that the first burst of losses never ends", "give more than 0");
+  using B = proto::Blackout;
+  rule<B>(
+      r, "period_s", [](const B& b) { return b.period_s() > 0 && b.period_s() <= b.length_s(); },
+      "is not more than length_s, so nothing ever passes", "raise it, or leave it out");
 }
 
 }  // namespace

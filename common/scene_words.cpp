@@ -20,7 +20,7 @@ struct Unit {
   std::string_view suffix;
   std::string_view text;
 };
-constexpr std::array<Unit, 23> kUnits = {{{"newton_per_m_s", "N/(m s)"},
+constexpr std::array<Unit, 26> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"newton_s_per_m", "N s/m"},
                                           {"newton_per_m", "N/m"},
                                           {"newton_meter_per_s", "N m/s"},
@@ -35,8 +35,11 @@ constexpr std::array<Unit, 23> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"m_per_s", "m/s"},
                                           {"deg_per_s", "deg/s"},
                                           {"rad_per_s", "rad/s"},
+                                          {"ms_per_s", "ms/s"},
+                                          {"kbit_per_s", "kbit/s"},
                                           {"per_s", "1/s"},
                                           {"hz", "Hz"},
+                                          {"bytes", "bytes"},
                                           {"ms", "ms"},
                                           {"us", "us"},
                                           {"s", "s"},

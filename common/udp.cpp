@@ -1,6 +1,7 @@
 #include "common/udp.hpp"
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
@@ -49,6 +50,26 @@ std::string bind_remedy(const error_code& ec) {
   return "choose an address of this host, or 0.0.0.0 for all of them";
 }
 
+bool poll_until(std::span<pollfd> fds, TimePoint deadline) noexcept {
+  for (;;) {
+    const TimePoint now = std::chrono::steady_clock::now();
+    const Duration left = std::max(deadline - now, Duration::zero());
+    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
+    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
+                           .tv_nsec = static_cast<long>((left - whole).count())};
+    const int ready = ppoll(fds.data(), fds.size(), &timeout, nullptr);
+    if (ready > 0) return true;
+    if (ready == 0 && left == Duration::zero()) return false;
+  }
+}
+
+// A connected socket keeps the address it first sent from, also when the host has lost it.
+bool may_have_lost_its_address(const error_code& ec) noexcept {
+  namespace errc = boost::system::errc;
+  return ec == errc::invalid_argument || ec == errc::address_not_available ||
+         ec == errc::network_unreachable || ec == errc::destination_address_required;
+}
+
 }  // namespace
 
 UdpAddress parse_udp_address(const std::string& text) {
@@ -76,6 +97,13 @@ struct UdpSocket::State {
   udp::endpoint peer_endpoint;
   bool fixed = false;
   UdpCounters counters;
+
+  // Sends from whatever address this host now has towards the peer.
+  void reconnect(error_code& ec) noexcept {
+    const sockaddr none{.sa_family = AF_UNSPEC, .sa_data = {}};
+    ::connect(socket.native_handle(), &none, sizeof none);
+    socket.connect(peer_endpoint, ec);
+  }
 };
 
 UdpSocket::UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& fixed_peer)
@@ -131,6 +159,10 @@ bool UdpSocket::send(std::span<const std::byte> datagram) noexcept {
     ++s.counters.refused;
     attempt();
   }
+  if (s.fixed && may_have_lost_its_address(ec)) {
+    s.reconnect(ec);
+    if (!ec) attempt();
+  }
   if (!ec) ++s.counters.sent;
   if (ec == asio::error::would_block) ++s.counters.send_would_block;
   if (ec && ec != asio::error::would_block) ++s.counters.send_failed;
@@ -149,6 +181,12 @@ std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffe
     ++s.counters.refused;
     size = attempt();
   }
+  // While no address leads to the peer, the kernel lets strangers in.
+  constexpr int kMostStrangers = 64;
+  for (int i = 0; !ec && s.fixed && from != s.peer_endpoint; ++i) {
+    if (i == kMostStrangers) return std::nullopt;
+    size = attempt();
+  }
   if (ec == asio::error::would_block) return std::nullopt;
   if (ec) {
     ++s.counters.receive_failed;
@@ -160,16 +198,14 @@ std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffe
 
 bool UdpSocket::wait_readable(TimePoint deadline) noexcept {
   pollfd fd{.fd = state_->socket.native_handle(), .events = POLLIN, .revents = 0};
-  for (;;) {
-    const TimePoint now = std::chrono::steady_clock::now();
-    const Duration left = std::max(deadline - now, Duration::zero());
-    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
-                           .tv_nsec = static_cast<long>((left - whole).count())};
-    const int ready = ppoll(&fd, 1, &timeout, nullptr);
-    if (ready > 0) return true;
-    if (ready == 0 && left == Duration::zero()) return false;
-  }
+  return poll_until(std::span(&fd, 1), deadline);
+}
+
+bool UdpSocket::wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept {
+  std::array<pollfd, 2> fds{
+      pollfd{.fd = a.state_->socket.native_handle(), .events = POLLIN, .revents = 0},
+      pollfd{.fd = b.state_->socket.native_handle(), .events = POLLIN, .revents = 0}};
+  return poll_until(fds, deadline);
 }
 
 }  // namespace farhand

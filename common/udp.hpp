@@ -51,7 +51,8 @@ class UdpSocket {
 
   // Binds to `local` (port 0: any free one). With a fixed peer the kernel drops what others send;
   // without one, tell set_peer who sent the last datagram that was accepted. Throws a sentence
-  // naming the address and the remedy.
+  // naming the address and the remedy. If this host gets another address, a socket bound to all of
+  // them (0.0.0.0) sends on from that, possibly from another port.
   explicit UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& fixed_peer = {});
   ~UdpSocket();
   UdpSocket(UdpSocket&&) noexcept;
@@ -71,6 +72,9 @@ class UdpSocket {
   // Sleeps until something can be received (true) or CLOCK_MONOTONIC reaches `deadline` (false). A
   // refusal by the peer's host also wakes it; receive then gives nothing.
   bool wait_readable(TimePoint deadline) noexcept;
+
+  // The same for either of two.
+  static bool wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept;
 
   const UdpCounters& counters() const noexcept;
 

@@ -1,11 +1,16 @@
 #!/usr/bin/env bash
-# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller. About an hour on one core; with a
-# number, that many ticks of each.
+# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller, about an hour on one core; with a
+# number, that many ticks of each. `stress.sh hosts` is the other one: both programs on two hosts through every harm fifty times,
+# some 90 minutes; with a number, as often as that.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 deploy/install.sh --tests
 cmake --preset release -DFARHAND_TESTS=ON >/dev/null
+if [[ "${1:-}" == hosts ]]; then
+  cmake --build --preset release --target farhand-master farhand-slave farhand-impair
+  exec tests/loop/two_hosts.sh build/release/bin "${2:-50}"
+fi
 cmake --build --preset release --target stress_ticks_test stress_controllers_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test
 FARHAND_STRESS_TICKS="${1:-1000000000}" build/release/bin/stress_controllers_test

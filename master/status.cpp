@@ -11,10 +11,12 @@ namespace {
 std::string live_line(const MasterRecord& r, std::uint64_t overruns) {
   const Vec3 p = r.tick.handle.X_MH.p * 1e3;
   return fmt::format(
-      "{:<7} handle ({:6.1f} {:6.1f} {:6.1f}) mm  felt {:5.2f} N  round trip {:6.1f} us  overruns "
-      "{}  dropped {}",
+      "{:<7} handle ({:6.1f} {:6.1f} {:6.1f}) mm  felt {:5.2f} N  round trip {:6.1f} us  jitter "
+      "{:6.1f} us  lost {}  reordered {}  overruns {}  dropped {}",
       to_string(r.tick.mode), p.x(), p.y(), p.z(), r.tick.F_G.force.norm(),
-      static_cast<double>(r.link.round_trip.count()) * 1e-3, overruns, r.link.dropped);
+      static_cast<double>(r.link.round_trip.count()) * 1e-3,
+      static_cast<double>(r.link.jitter.count()) * 1e-3, r.link.lost, r.link.reordered, overruns,
+      r.link.dropped);
 }
 
 }  // namespace

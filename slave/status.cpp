@@ -12,10 +12,11 @@ namespace {
 std::string live_line(const SlaveRecord& r, std::uint64_t overruns) {
   const Vec3 p = r.tick.X_SE.p * 1e3;
   return fmt::format(
-      "{:<7} tool ({:6.1f} {:6.1f} {:6.1f}) mm  off target {:5.2f} mm  contact {:5.2f} N  overruns "
-      "{}",
+      "{:<7} tool ({:6.1f} {:6.1f} {:6.1f}) mm  off target {:5.2f} mm  contact {:5.2f} N  jitter "
+      "{:6.1f} us  lost {}  overruns {}",
       to_string(r.tick.mode), p.x(), p.y(), p.z(),
-      (r.tick.X_SE_target.p - r.tick.X_SE.p).norm() * 1e3, r.tick.F_E_S.force.norm(), overruns);
+      (r.tick.X_SE_target.p - r.tick.X_SE.p).norm() * 1e3, r.tick.F_E_S.force.norm(),
+      static_cast<double>(r.link.jitter.count()) * 1e-3, r.link.lost, overruns);
 }
 
 std::string tracking_row(const char* where, const Rms& position, const Rms& rotation) {

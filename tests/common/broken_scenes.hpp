@@ -330,6 +330,8 @@ inline std::vector<BrokenScene> broken_scenes() {
        "link.to_master.jitter_ms", "use jitter: GAMMA"},
       {with_link("to_master { burst_enter_ratio: 0.1 burst_leave_ratio: @0 }"),
        "link.to_master.burst_leave_ratio", "never ends"},
+      {with_link("to_slave { blackout { length_s: 2 period_s: @1 } }"),
+       "link.to_slave.blackout[0].period_s", "nothing ever passes"},
   };
 }
 

@@ -227,6 +227,94 @@ TEST(Impairment, CorruptionFlipsOneBitAnywhere) {
             20);  // 6 hits each on average: e^-6 of 1600 none
 }
 
+// Number and way of each that arrives first.
+std::vector<std::optional<Duration>> ways(const ImpairmentConfig& config, std::uint64_t count) {
+  Impairment network(config, 14);
+  std::vector<std::optional<Duration>> out(count);
+  for (const Out& o : run(network, count))
+    if (!out[o.number]) out[o.number] = o.at - pushed_at(o.number);
+  return out;
+}
+
+TEST(Impairment, AChangeOfOneLeavesTheJitterOfAllOthersAlone) {
+  const ImpairmentConfig plain{.delay_ms = 50, .jitter_ms = 5};
+  const auto before = ways(plain, 3000);
+  ImpairmentConfig lossy = plain, capped = plain, dark = plain, spiky = plain;
+  lossy.loss_ratio = 0.1, lossy.burst_enter_ratio = 0.01, lossy.burst_leave_ratio = 0.2;
+  capped.cap_kbit_per_s = 1e5;  // enough for all
+  dark.blackouts[0] = {.at_s = 1, .length_s = 0.2};
+  spiky.spike_ms = 1e-6;
+  for (const ImpairmentConfig& c : {lossy, capped, dark, spiky}) {
+    const auto after = ways(c, 3000);
+    std::size_t arrived = 0;
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      ASSERT_LE(after[i].value_or(*before[i]) - *before[i], 1ns) << i;
+      ASSERT_GE(after[i].value_or(*before[i]), *before[i]) << i;
+      arrived += after[i].has_value();
+    }
+    EXPECT_GT(arrived, 2000u);
+  }
+  ImpairmentConfig doubled = plain;
+  doubled.duplicate_ratio = 0.5;
+  const auto after = ways(doubled, 3000);  // the copy may come first, never later
+  for (std::size_t i = 0; i < after.size(); ++i) ASSERT_LE(*after[i], *before[i]) << i;
+}
+
+TEST(Impairment, BlackoutsLoseEverythingInTheirWindows) {
+  ImpairmentConfig c{.delay_ms = 10};
+  c.blackouts[0] = {.at_s = 1, .length_s = 0.2};
+  c.blackouts[1] = {.at_s = 3, .length_s = 0.1, .period_s = 1};
+  const auto out = ways(c, 6000);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const bool dark = (i >= 1000 && i < 1200) || (i >= 3000 && i % 1000 < 100);
+    ASSERT_EQ(out[i].has_value(), !dark) << i;
+  }
+}
+
+TEST(Impairment, AStepAndADriftChangeTheWay) {
+  const auto stepped =
+      ways({.delay_ms = 50, .step_ms = 150, .step_at_s = 1, .step_length_s = 2}, 4000);
+  for (std::size_t i = 0; i < stepped.size(); ++i)
+    ASSERT_EQ(*stepped[i], i >= 1000 && i < 3000 ? 200ms : 50ms) << i;
+  const auto drifted = ways({.delay_ms = 50, .delay_drift_ms_per_s = 2}, 4000);
+  EXPECT_EQ(*drifted[0], 50ms);
+  EXPECT_NEAR(seconds(*drifted[3000]), 56e-3, 1e-9);
+}
+
+// Pauses are exponential: n of them of mean 1 s, n spikes of 50 ms.
+TEST(Impairment, SpikesStopTheNetworkForTheirLength) {
+  constexpr std::uint64_t kCount = 2'000'000;
+  const auto out = ways({.spike_ms = 50, .spike_pause_s = 1}, kCount);
+  std::uint64_t stalled = 0, spikes = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    ASSERT_LE(*out[i], 50ms);
+    stalled += *out[i] > 0ns;
+    spikes += *out[i] > 0ns && *out[i - 1] == 0ns;
+    if (i > 0 && *out[i - 1] > 1ms) {  // all at its end
+      ASSERT_EQ(*out[i - 1] - *out[i], 1ms);
+    }
+  }
+  const double n = kCount * 1e-3 / 1.05;
+  EXPECT_NEAR(static_cast<double>(spikes), n, 5 * std::sqrt(n) + 0.06 * n);  // some join
+  EXPECT_NEAR(static_cast<double>(stalled), 50 * n, 50 * 5 * std::sqrt(n));
+}
+
+// 200 bytes at 1 kHz are 1600 kbit/s.
+TEST(Impairment, ARateCapPassesItsRateAndQueuesNoMoreThanStated) {
+  constexpr std::uint64_t kCount = 20000;
+  const ImpairmentConfig c{.cap_kbit_per_s = 200, .cap_burst_bytes = 1000, .cap_queue_bytes = 5000};
+  Impairment network(c, 15);
+  Duration longest{};
+  const auto out = run(network, kCount);
+  for (const Out& o : out) longest = std::max(longest, o.at - pushed_at(o.number));
+  EXPECT_LE(longest, 200ms);  // 5000 bytes at 25 bytes per ms
+  EXPECT_GT(longest, 192ms);  // less than one datagram short of it
+  // Bucket and queue beyond what 20 s let through, to a datagram.
+  EXPECT_NEAR(static_cast<double>(out.size()), (20 * 25000 + 1000 + 5000) / 200.0, 1);
+  EXPECT_EQ(network.counters().capped + out.size(), kCount);
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(out[i].at, pushed_at(i));  // the bucket's
+}
+
 TEST(Impairment, WhatDoesNotFitIsCounted) {
   Impairment network(ImpairmentConfig{.delay_ms = 10, .duplicate_ratio = 0.5}, 11, 8);
   for (std::uint64_t i = 0; i < 20; ++i) network.push(datagram(i), TimePoint(0ms));
@@ -293,6 +381,8 @@ TEST(Impairment, AnImpossibleConfigurationIsRefusedByName) {
   EXPECT_NE(refusal({.corrupt_ratio = -0.1}).find("corrupt_ratio"), std::string::npos);
   EXPECT_NE(refusal({.delay_ms = NAN}).find("delay_ms"), std::string::npos);
   EXPECT_NE(refusal({.reorder_hold_ms = -1}).find("reorder_hold_ms"), std::string::npos);
+  EXPECT_NE(refusal({.spike_ms = 5, .spike_pause_s = 0}).find("spike_pause_s"), std::string::npos);
+  EXPECT_NE(refusal({.cap_kbit_per_s = -1}).find("cap_kbit_per_s"), std::string::npos);
   EXPECT_EQ(refusal({.loss_ratio = 1}), "");
 }
 

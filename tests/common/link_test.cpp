@@ -242,7 +242,7 @@ TEST_F(LinkTest, StampsGiveTheRoundTripTheAgeAndTheOffset) {
   EXPECT_EQ(master.quality().round_trip, 2 * kWay);
   EXPECT_EQ(master.quality().jitter, 0s);
   EXPECT_EQ(master.clock().offset, kOffset);
-  EXPECT_EQ(master.clock().uncertainty, kWay);
+  EXPECT_EQ(master.clock().uncertainty, kWay + 38us);  // 100 ppm of 19 exchanges' 20 ms
   EXPECT_TRUE(master.newest()->transit_known);
   EXPECT_EQ(master.newest()->age(now), kWay);
   EXPECT_EQ(master.newest()->age(now + 3ms), kWay + 3ms);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "common/scene_network.hpp"
+
 namespace farhand {
 namespace {
 
@@ -9,22 +11,6 @@ namespace {
 enum Stream : std::uint64_t { kHandStream = 1, kRobotStream, kToSlaveStream, kToMasterStream };
 constexpr std::uint64_t stream(std::uint64_t seed, Stream which) {
   return seed * 8 + which;
-}
-
-std::optional<ImpairmentConfig> impairment(bool present, const proto::Impairment& i) {
-  if (!present) return {};
-  const auto kind = i.jitter() == proto::Impairment::UNIFORM  ? JitterKind::uniform
-                    : i.jitter() == proto::Impairment::NORMAL ? JitterKind::normal
-                                                              : JitterKind::gamma;
-  return ImpairmentConfig{.delay_ms = i.delay_ms(),
-                          .jitter_ms = i.jitter_ms(),
-                          .jitter_kind = kind,
-                          .loss_ratio = i.loss_ratio(),
-                          .burst_enter_ratio = i.burst_enter_ratio(),
-                          .burst_leave_ratio = i.burst_leave_ratio(),
-                          .duplicate_ratio = i.duplicate_ratio(),
-                          .reorder_ratio = i.reorder_ratio(),
-                          .corrupt_ratio = i.corrupt_ratio()};
 }
 
 AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
@@ -53,10 +39,8 @@ Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
       slave(slave_config(scene.proto)),
       robot(make_robot(scene.proto, stream(seed, kRobotStream))),
       link({.session = 2, .scene_hash = scene.shared_hash, .silence = loop.lost}),
-      to_slave(impairment(scene.proto.link().has_to_slave(), scene.proto.link().to_slave()),
-               stream(seed, kToSlaveStream)),
-      to_master(impairment(scene.proto.link().has_to_master(), scene.proto.link().to_master()),
-                stream(seed, kToMasterStream)),
+      to_slave(to_slave_config(scene.proto.link()), stream(seed, kToSlaveStream)),
+      to_master(to_master_config(scene.proto.link()), stream(seed, kToMasterStream)),
       phase(loop.period, kStart + loop.period / 2) {}
 
 void Loopback::run() {

@@ -6,6 +6,7 @@
 #include "common/arguments.hpp"
 #include "common/build_info.hpp"
 #include "common/program.hpp"
+#include "common/scene_network.hpp"
 #include "tests/loop/replay.hpp"
 #include "tests/loop/run.hpp"
 #include "tests/loop/studies.hpp"
@@ -41,7 +42,10 @@ int main(int argc, char** argv) {
     const Scene scene =
         replay.empty() ? load_scene(options.scene) : prepare_replay(replay, options.scene, loop);
     Stages stages{{"master", master_stages(scene.proto)}};
-    if (scene.proto.has_slave()) stages.push_back({"slave", slave_stages(scene.proto)});
+    if (scene.proto.has_slave()) {
+      stages.push_back({"network", network_stages(scene.proto.link())});
+      stages.push_back({"slave", slave_stages(scene.proto)});
+    }
     if (print_only(options, scene, stages)) return 0;
     if (const auto status = studies.run(&scene, json)) return *status;
     warn_each(studies.warnings(scene));

@@ -2,54 +2,25 @@
 # farhand-slave and farhand-master as two processes over UDP on this machine:
 #
 #   master (simulated hand) ---- 127.0.0.1 ---- slave (simulated arm)
+#   master ---- 127.0.0.1 ---- relay ---- 127.0.0.1 ---- slave
 #
 # Each case waits for what the programs say, with generous time-outs; none asserts a time. Usage: two_processes.sh BIN_DIR
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 bin="$1"
+source tests/loop/programs.sh
 scene=tests/loop/presses.textproto
 port=$((20000 + RANDOM % 20000))
-dir="$(mktemp -d)"
-passed=0
-trap 'kill -9 $(jobs -p) 2>/dev/null || true; rm -rf "$dir"' EXIT
-
-# SIGKILL is part of the test: bash need not tell.
-set +m
-start_slave() { "$bin/farhand-slave" "${1:-$scene}" --quiet --listen "127.0.0.1:$port" >"$dir/slave" 2>&1 & slave=$!; }
-start_master() { "$bin/farhand-master" "${1:-$scene}" --quiet --slave "127.0.0.1:$port" >"$dir/master" 2>&1 & master=$!; }
-
-fail() {
-  echo "FAILED: $*"
-  tail -n 30 "$dir"/slave "$dir"/master
-  exit 1
-}
-pass() {
-  passed=$((passed + 1))
-  echo "ok: $*"
-}
-# wait_for FILE PATTERN COUNT: until FILE has PATTERN at least COUNT times, 20 s at most.
-wait_for() {
-  for _ in $(seq 200); do
-    (($(grep -c -- "$2" "$dir/$1" || true) >= $3)) && return
-    sleep 0.1
-  done
-  fail "$1 never said '$2' $3 times"
-}
-# Ends both sides in order and waits for their tables.
-stop_both() {
-  kill "-$1" "$master" "$slave"
-  wait "$master" || fail "the master's exit status was $?"
-  wait "$slave" || fail "the slave's exit status was $?"
-}
-mode_lines() { grep -o -- '[A-Z]* -> [A-Z]*' "$dir/$1" || true; }
+start_slave() { start slave "${1:-$scene}" --quiet --listen "127.0.0.1:$port"; }
+start_master() { start master "${1:-$scene}" --quiet --slave "127.0.0.1:$port"; }
 
 for signal in INT TERM; do
   start_slave
   start_master
   wait_for slave 'READY -> ENGAGED' 2
   wait_for master 'READY -> ENGAGED' 2
-  stop_both "$signal"
+  end "$signal" master slave
   grep -q 'dropped 0' "$dir/master" || fail "the master dropped datagrams"
   grep -q 'tracking free' "$dir/slave" || fail "the slave's table has no tracking"
   pass "engages at each press, ends in order on SIG$signal"
@@ -58,30 +29,28 @@ done
 start_slave
 start_master
 wait_for slave 'READY -> ENGAGED' 1
-kill -9 "$master"
-wait "$master" 2>/dev/null || true
+kill_hard master
 wait_for slave 'ENGAGED -> HOLDING' 1
 wait_for slave 'HOLDING -> IDLE' 1
-before="$(grep -c 'ENGAGED$' "$dir/slave" || true)"
+before="$(count slave 'ENGAGED$')"
 start_master
 wait_for slave 'IDLE -> READY' 2
 wait_for slave 'READY -> ENGAGED' $((before + 1))
-mode_lines slave | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the slave engaged without a release"
-stop_both INT
+engaged_only_by_a_press
+end INT master slave
 pass "kill -9 of the master: the robot is held, then ready for a new master, and moves only after a new press"
 
 start_slave
 start_master
 wait_for master 'READY -> ENGAGED' 1
-kill -9 "$slave"
-wait "$slave" 2>/dev/null || true
+kill_hard slave
 wait_for master 'ENGAGED -> HOLDING' 1
 wait_for master 'HOLDING -> IDLE' 1
 start_slave
 wait_for master 'IDLE -> READY' 2
 wait_for master 'READY -> ENGAGED' 2
-mode_lines master | grep -qE '(IDLE|HOLDING) -> ENGAGED' && fail "the master engaged without a release"
-stop_both INT
+engaged_only_by_a_press
+end INT master slave
 pass "kill -9 of the slave: the force fades, the master is ready again when it returns, and engages only after a new press"
 
 start_slave
@@ -89,7 +58,7 @@ start_master
 wait_for master 'READY -> ENGAGED' 1
 for i in $(seq 2000); do printf 'garbage %d \x00\xff<>' "$i" >"/dev/udp/127.0.0.1/$port" || true; done
 wait_for slave 'READY -> ENGAGED' 2
-stop_both INT
+end INT master slave
 grep -q 'ENGAGED -> HOLDING' "$dir/slave" && fail "garbage stopped the slave"
 dropped="$(sed -n 's/.*dropped \([0-9]*\),.*/\1/p' "$dir/slave")"
 ((dropped >= 1000)) || fail "2000 garbage datagrams, $dropped dropped"
@@ -100,9 +69,48 @@ start_slave
 start_master "$dir/other.textproto"
 wait_for master 'no answer from the slave' 1
 wait_for slave 'another scene' 1
-stop_both INT
+end INT master slave
 [[ -z "$(mode_lines slave)" && -z "$(mode_lines master)" ]] || fail "sides with different scenes left IDLE"
 pass "different scenes: the slave says so, the master that nobody answers, and both stay idle"
+
+for signal in INT TERM; do
+  relayed=$((port + 1))
+  start slave "$scene" --quiet --listen "127.0.0.1:$port"
+  start impair --listen "127.0.0.1:$relayed" --to "127.0.0.1:$port" --both 'delay_ms: 20 loss_ratio: 0.01'
+  start master "$scene" --quiet --slave "127.0.0.1:$relayed"
+  wait_for slave 'READY -> ENGAGED' 1
+  wait_for master 'READY -> ENGAGED' 1
+  kill_hard impair
+  wait_for slave 'ENGAGED -> HOLDING' 1
+  wait_for slave 'HOLDING -> IDLE' 1
+  wait_for master 'HOLDING -> IDLE' 1
+  before="$(count slave 'READY -> ENGAGED')"
+  start impair --listen "127.0.0.1:$relayed" --to "127.0.0.1:$port" --both 'delay_ms: 20 loss_ratio: 0.01'
+  wait_for slave 'READY -> ENGAGED' $((before + 1))
+  end INT master slave
+  end "$signal" impair
+  engaged_only_by_a_press
+  for way in server client; do
+    grep -qE "to $way +came [1-9][0-9]*, sent [1-9][0-9]*, lost [1-9]" "$dir/impair" || fail "the relay's table has no row to the $way"
+  done
+  pass "through 20 ms and 1 % loss: engages; held while the relay is gone, and it ends in order with its table on SIG$signal"
+done
+
+# refused PATTERN ARGUMENT...: the relay says what is wrong with these arguments and does not start.
+refused() {
+  local pattern="$1" status=0
+  shift
+  "$bin/farhand-impair" --duration 1 "$@" >"$dir/impair" 2>&1 || status=$?
+  ((status == 1 || status == 2)) && grep -qE -- "$pattern" "$dir/impair" || fail "farhand-impair $* gave $status"
+}
+refused '--listen' --to "127.0.0.1:$port"
+refused '--to' --listen "127.0.0.1:$port"
+refused "--listen: .*'nowhere'.*10.0.0.2" --listen nowhere --to "127.0.0.1:$port"
+refused '--to has port 0' --listen 127.0.0.1:0 --to 127.0.0.1:0
+refused '--both .*delay_m.*message Impairment' --listen 127.0.0.1:0 --to "127.0.0.1:$port" --both 'delay_m: 3'
+refused 'loss_ratio.*from 0' --listen 127.0.0.1:0 --to "127.0.0.1:$port" --to-slave 'loss_ratio: 2'
+refused 'no.textproto' --listen 127.0.0.1:0 --to "127.0.0.1:$port" --scene no.textproto
+pass "the relay refuses wrong arguments by their names"
 
 # A disk of 1 MiB where that can be mounted out of everybody's sight, else a limit on the size of files.
 mkdir "$dir/disk"
