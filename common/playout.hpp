@@ -12,7 +12,7 @@
 #include <array>
 #include <cstddef>
 
-#include "common/clock_sync.hpp"
+#include "common/recent_minimum.hpp"
 #include "common/time.hpp"
 
 namespace farhand {
@@ -75,7 +75,7 @@ class PlayoutClock {
   }
 
   PlayoutConfig config_;
-  SlidingMinimum base_;
+  RecentMinimum base_;
   std::array<double, kBins> count_{};
   double weight_ = 1, total_ = 0, late_score_ = 0, offset_ = 0;
   bool started_ = false;

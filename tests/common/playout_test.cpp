@@ -12,6 +12,18 @@ namespace {
 
 using std::chrono::milliseconds;
 
+TEST(RecentMinimum, ForgetsWhatIsOlderThanTheWindow) {
+  RecentMinimum m(milliseconds(800));
+  EXPECT_TRUE(m.empty());
+  m.add(milliseconds(50), milliseconds(3));
+  for (int t = 100; t < 800; t += 10) m.add(milliseconds(t), milliseconds(7));
+  EXPECT_EQ(m.minimum(), milliseconds(3));
+  m.add(milliseconds(910), milliseconds(8));
+  EXPECT_EQ(m.minimum(), milliseconds(7));
+  m.add(milliseconds(99999), milliseconds(9));
+  EXPECT_EQ(m.minimum(), milliseconds(9));
+}
+
 // The sender's clock is 1 h ahead. A value says when it was sent, so what comes out says how old
 // it is.
 constexpr Duration kAhead = std::chrono::hours(1);
