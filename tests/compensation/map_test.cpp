@@ -6,6 +6,7 @@
 #include "tests/compensation/conditions.hpp"
 #include "tests/compensation/methods.hpp"
 #include "tests/compensation/task.hpp"
+#include "tests/support/allocations.hpp"
 #include "tests/support/stress.hpp"
 
 namespace farhand::bench {
@@ -55,6 +56,24 @@ TEST(Map, OfWhatIsFeltByDelayStiffnessAndMethod) {
       }
     }
   std::printf("\n");
+}
+
+TEST(Methods, TakeNothingFromTheHeapInATick) {
+  for (const Row& row : kRows) {
+    const auto method = row.make(1000);
+    Bench bench(reference_condition().rig(1000), *method);
+    double t = 0;
+    const auto tick = [&] {
+      bench.tick(wish(t, kHold), wish(t + Bench::kTs, kHold));
+      t += Bench::kTs;
+    };
+    while (t < 0.5) tick();
+    EXPECT_EQ(allocations_in([&] {
+                while (t < 9) tick();
+              }),
+              0)
+        << row.name;
+  }
 }
 
 }  // namespace
