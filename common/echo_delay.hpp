@@ -14,8 +14,15 @@ struct EchoDelayConfig {
   double Ts = 0.001;
   double margin = 0.002;  // [s] on top of the peak: one tick of either side
   double decay = 2;       // [s] time constant with which the peak comes down to the present age
-  double most = 0.4;      // [s] the answer stays below
+  double most = 0.5;      // [s] the answer stays below
 };
+
+// By rule, where the round trip goes beyond all that a method is sized for: the share, 1 to 0, with
+// which the sides are still coupled. Whole to 1.2 times `most`, none from 1.6 times on; a queue
+// that delays everything by a second is seen here, not in the age since the last arrival.
+inline double coupling_share(const EchoDelayConfig& c, Duration echo_age) noexcept {
+  return std::clamp(4 - 2.5 * seconds(echo_age) / c.most, 0.0, 1.0);
+}
 
 class EchoDelay {
  public:

@@ -20,4 +20,18 @@ constexpr double fade(const CompensationConfig& config, Duration age) noexcept {
   return 1 - seconds(age - config.hold) / seconds(config.fade);
 }
 
+// A share that may drop at once, and comes back slowly: after a gap the hand may be far from where
+// the coupling is at rest.
+class FadeIn {
+ public:
+  static constexpr double kTime = 0.3;  // [s] from none to whole
+  double step(double share, double Ts) noexcept {
+    share_ = std::min(share, share_ + Ts / kTime);
+    return share_;
+  }
+
+ private:
+  double share_ = 1;  // at the first coupling the spring is at rest
+};
+
 }  // namespace farhand

@@ -1,12 +1,18 @@
 // The master's half of P+d (common/damped.hpp): a spring to where the robot is known to be, and a
 // damper. In a gap the spring pulls to the last known place, the damper grows with the gap's age,
-// and the fade of the whole (common/concealment.hpp) lets go.
+// and the caller fades the whole by kSpringFade and back in by FadeIn.
 #pragma once
 
 #include "common/damped.hpp"
 #include "common/geometry.hpp"
+#include "master/compensation.hpp"
 
 namespace farhand {
+
+// A spring to a known place is no force to be held back at once: whole for 100 ms of silence, in
+// which the damper grows with it, then gone in as long.
+inline constexpr CompensationConfig kSpringFade{.hold = std::chrono::milliseconds(100),
+                                                .fade = std::chrono::milliseconds(100)};
 
 class DampedMaster {
  public:
@@ -21,7 +27,8 @@ class DampedMaster {
     const SpringDamper s = spring_damper(config_, delay_.step(echo_age));
     const double on = touch_.step(config_.touch, F_e.norm(), config_.delay.Ts);
     const double drag = config_.touch ? (1 - on) * config_.touch->drag : 0;
-    return on * s.K * stretch + (on * s.B + drag) * v_m;
+    const double share = coupling_share(config_.delay, echo_age);
+    return share * (on * s.K * stretch + (on * s.B + drag) * v_m);
   }
   double delay() const noexcept { return delay_.delay(); }
 

@@ -4,6 +4,7 @@ namespace farhand {
 
 DampedCoupling::DampedCoupling(const DampedCouplingConfig& c) noexcept
     : rotates_(c.rotation),
+      Ts_(c.guard.Ts),
       spring_(c.translation),
       tilt_(c.tilt),
       twist_(c.twist),
@@ -11,7 +12,8 @@ DampedCoupling::DampedCoupling(const DampedCouplingConfig& c) noexcept
       rotation_(c.rotation_guard) {}
 
 Wrench DampedCoupling::step(const HandlePose& handle, const Twist& V_MH, const SlaveToMaster& robot,
-                            Duration echo_age, double share) noexcept {
+                            Duration echo_age, double age_share) noexcept {
+  const double share = fade_in_.step(age_share, Ts_);
   translation_.hear(robot.energies.translation);
   rotation_.hear(robot.energies.rotation);
   const Vec3 stretch = robot.has_robot ? Vec3(handle.X_MH.p - robot.p_MR) : Vec3::Zero();

@@ -26,8 +26,9 @@ class DampedCoupling {
  public:
   explicit DampedCoupling(const DampedCouplingConfig& config) noexcept;
 
-  // Handle on coupling, G axes, faded by the message's age (`share`). Without the robot's pose in
-  // the message only the dampers act. echo_age: of our own message that the robot's answers.
+  // Handle on coupling, G axes, faded by the message's age (`share`; back in slowly). Without the
+  // robot's pose in the message only the dampers act. echo_age: of our own message that the robot's
+  // answers.
   Wrench step(const HandlePose& handle, const Twist& V_MH, const SlaveToMaster& robot,
               Duration echo_age, double share) noexcept;
   // In a tick in which nothing of it is felt.
@@ -42,6 +43,8 @@ class DampedCoupling {
               Duration echo_age) noexcept;
 
   bool rotates_;
+  double Ts_;
+  FadeIn fade_in_;
   DampedMaster spring_, tilt_, twist_;
   GuardedPort translation_, rotation_;
   bool turning_ = false;

@@ -39,7 +39,7 @@ class DampedSlave {
     const SpringDamper s = spring_damper(config_, delay_.step(echo_age));
     const double on = touch_.step(config_.touch, F_e.norm(), config_.delay.Ts);
     const double free = config_.touch ? (1 - on) * config_.touch->damping : 0;
-    return s.K * stretch - (on * s.B + free) * v;
+    return coupling_share(config_.delay, echo_age) * s.K * stretch - (on * s.B + free) * v;
   }
   double delay() const noexcept { return delay_.delay(); }
 

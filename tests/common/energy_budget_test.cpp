@@ -50,5 +50,13 @@ TEST(EchoDelay, UpAtOnceDownSlowlyNeverBelowThePresentAge) {
   EXPECT_EQ(EchoDelay({}).step(std::chrono::milliseconds(-1)), 0.002);
 }
 
+TEST(EchoDelay, TheCouplingEndsWhereTheRoundTripIsTooLong) {
+  const EchoDelayConfig c{.most = 0.5};
+  EXPECT_EQ(coupling_share(c, std::chrono::milliseconds(600)), 1);
+  EXPECT_NEAR(coupling_share(c, std::chrono::milliseconds(700)), 0.5, 1e-12);
+  EXPECT_EQ(coupling_share(c, std::chrono::milliseconds(800)), 0);
+  EXPECT_EQ(coupling_share(c, std::chrono::seconds(30)), 0);
+}
+
 }  // namespace
 }  // namespace farhand

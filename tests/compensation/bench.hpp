@@ -22,6 +22,7 @@ namespace farhand::bench {
 struct Message {
   std::uint64_t sequence = 0, sent = 0, echo_sent = 0, acted = 0;
   double x = 0, v = 0, F = 0;
+  bool coupled = true;  // the robot follows
   double energy = 0;    // that went into the network at the sender
   double U = 0, E = 0;  // integrals of the wave and its energy
   bool known = false;   // of the wall, as the slave believes: all below
@@ -42,6 +43,10 @@ struct Robot {
 struct Wish {
   double x = 0, v = 0;
 };
+
+// A link dead for so long ends the coupling; the hand takes it up again, from where it is, as with
+// the clutch, when the link is back.
+inline constexpr Duration kUncouple = std::chrono::milliseconds(500);
 
 struct Rig {
   Hand hand{};
@@ -138,7 +143,8 @@ class Box {
   }
   Inbox look(TimePoint now) const {
     if (newest_.sequence == 0) return {.echo_age = now.time_since_epoch()};
-    return {&newest_, now - arrived_,
+    const bool coupled = newest_.coupled && now - arrived_ < kUncouple;
+    return {coupled ? &newest_ : nullptr, now - arrived_,
             now.time_since_epoch() - Duration(static_cast<Duration::rep>(newest_.echo_sent))};
   }
   std::uint64_t stamp() const { return newest_.sent; }
@@ -165,7 +171,12 @@ class Bench {
     v_f_ += velocity_gain_ * ((a_.x_m - x_m_) / kTs - v_f_);
     x_m_ = a_.x_m;
     send(up_, {.x = a_.x_m, .v = v_f_}, true, now, in_m_);
-    up_.receive(now, [&](const Message& m) { in_s_.take(m, now), method_.hear(m, false, now); });
+    up_.receive(now, [&](Message m) {
+      if (!coupled_ && m.sequence > 0) offset_ = m.x - a_.x_sd, coupled_ = true;
+      m.x -= offset_;
+      in_s_.take(m, now), method_.hear(m, false, now);
+    });
+    coupled_ = coupled_ && (in_s_.look(now).in != nullptr || in_s_.stamp() == 0);
     const double x_sd = method_.target({.now = now,
                                         .x_sd = a_.x_sd,
                                         .v_sd = v_sd_,
@@ -199,6 +210,7 @@ class Bench {
     m.sent = static_cast<std::uint64_t>(now.time_since_epoch().count());
     m.echo_sent = from.stamp();
     method_.tell(m, by_master);
+    if (!by_master) m.x += offset_, m.x_w += offset_, m.coupled = coupled_;
     to.send(m, now);
   }
   void move_hand(const Wish& w, double h) {
@@ -220,6 +232,8 @@ class Bench {
   Box in_m_, in_s_;
   double velocity_gain_, v_f_ = 0, x_m_ = 0, v_sd_ = 0;
   std::uint64_t sent_m_ = 0, sent_s_ = 0;
+  bool coupled_ = true;
+  double offset_ = 0;  // handle less robot where they mean the same
   Sample a_;
 };
 

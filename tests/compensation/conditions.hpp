@@ -51,6 +51,21 @@ inline const std::vector<Trouble>& jitters() {
            i.jitter_ms = 0.05 * rtt, i.jitter_kind = JitterKind::normal;
          });
        }},
+      {"spikes",
+       [](Condition& c) {
+         both(c, [](ImpairmentConfig& i, double) { i.spike_ms = 50, i.spike_pause_s = 1; });
+       }},
+      {"step",  // 150 ms more for 4 s, where that stays below 400 ms
+       [](Condition& c) {
+         both(c, [](ImpairmentConfig& i, double rtt) {
+           i.step_ms = rtt > 250 ? 0 : 75, i.step_at_s = 3, i.step_length_s = 4;
+         });
+       }},
+      {"drift",
+       [](Condition& c) {
+         both(c,
+              [](ImpairmentConfig& i, double rtt) { i.delay_drift_ms_per_s = 0.1 / 60 * rtt / 2; });
+       }},
       {"asymmetric",
        [](Condition& c) {
          c.forward.delay_ms = 0.2 * c.rtt_ms, c.backward.delay_ms = 0.8 * c.rtt_ms;
@@ -65,6 +80,33 @@ inline const std::vector<Trouble>& losses() {
       {"bursts 1 %", [](Condition& c) { bursts(c, 0.002); }},
       {"bursts 5 %", [](Condition& c) { bursts(c, 0.2 * 5 / 95); }},
       {"bursts 10 %", [](Condition& c) { bursts(c, 0.2 * 10 / 90); }},
+  };
+  return kAll;
+}
+// While the hand presses, and once in free motion.
+inline void black(Condition& c, double length) {
+  for (ImpairmentConfig* i : {&c.forward, &c.backward})
+    i->blackouts[0] = {.at_s = 3, .length_s = length},
+    i->blackouts[1] = {.at_s = 7.5, .length_s = length};
+}
+// Beyond all methods: the rules of degradation.
+inline const std::vector<Trouble>& outages() {
+  static const std::vector<Trouble> kAll = {
+      {"blackout 0.2 s", [](Condition& c) { black(c, 0.2); }},
+      {"blackout 1 s", [](Condition& c) { black(c, 1); }},
+      {"blackout 5 s", [](Condition& c) { black(c, 5); }},
+      {"200 kbit/s, queue of 15 kB",
+       [](Condition& c) {
+         both(c, [](ImpairmentConfig& i, double) {
+           i.cap_kbit_per_s = 200, i.cap_queue_bytes = 15000;
+         });
+       }},
+      {"200 kbit/s, queue of 1.5 kB",
+       [](Condition& c) {
+         both(c, [](ImpairmentConfig& i, double) {
+           i.cap_kbit_per_s = 200, i.cap_queue_bytes = 1500;
+         });
+       }},
   };
   return kAll;
 }

@@ -77,7 +77,7 @@ std::vector<std::unique_ptr<Guarded>> guarded_methods() {
 TEST(Guard, BoundsTheEnergyInEveryImpairment) {
   double least = 0, unguarded = 0;
   for (const double rtt : {20., 100., 400.})
-    for (const Condition& c : conditions(rtt, 11))
+    for (const Condition& c : conditions(rtt, 19))
       for (const double k : kWalls) {
         for (const auto& m : guarded_methods()) {
           const Figures f = run(c.rig(k), *m, c.T1());

@@ -107,7 +107,7 @@ TEST(Mediated, FeelsTheWallAtEveryDelay) {
 }
 
 TEST(Mediated, StaysStableOverAllConditions) {
-  const int stride = stress_ticks(0) > 0 ? 1 : 9;
+  const int stride = stress_ticks(0) > 0 ? 1 : 17;
   double chatter = 0, drag = 0, peak = 0, felt[3] = {2, 2, 2}, least = 0;
   long runs = 0;
   for (const double rtt : kRoundTrips)

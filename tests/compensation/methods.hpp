@@ -69,6 +69,11 @@ struct DampedParts {
   bool guard = true;
 };
 
+// Coupled in contact alone: stiffer for less drag, without any model.
+inline DampedParts touching() {
+  return {.damped = {.stiffness = 1500, .max_damping = 400, .touch = TouchConfig{}}};
+}
+
 class Damped : public Guarded {
  public:
   explicit Damped(const DampedParts& c = {})
@@ -81,7 +86,8 @@ class Damped : public Guarded {
     const double stretch = m.from.in ? m.x - m.from.in->x : 0;
     const Vec3 F_e = along(m.from.in ? m.from.in->F : 0);
     const double F = master_.step(along(stretch), along(m.v), F_e, m.from.echo_age).z();
-    return guard(guards_.master, m.from.in ? fade({}, m.from.age) * F : F, m.x);
+    const double share = m.from.in ? fade_in_.step(fade(kSpringFade, m.from.age), Bench::kTs) : 0;
+    return guard(guards_.master, share * F, m.x);
   }
   double target(const SlaveView& s) override {
     const double stretch = s.from.in ? reckon(s) - s.x_sd : 0;
@@ -93,6 +99,7 @@ class Damped : public Guarded {
 
  private:
   VirtualMassConfig mass_;
+  FadeIn fade_in_;
   DampedMaster master_;
   DampedSlave slave_;
   Guards<ForceGuard> guards_;
@@ -147,6 +154,7 @@ class Mediated : public Method {
   }
   double felt(const MasterView& m) override {
     LocalWall told;
+    if (m.from.in == nullptr) renderer_.forget();
     if (const Message* in = m.from.in)
       told = {.known = in->known,
               .x_w = along(in->x_w),
@@ -161,8 +169,12 @@ class Mediated : public Method {
     return F_.z();
   }
   double target(const SlaveView& s) override {
-    if (!s.from.in) return s.x_sd;
-    return finder_.step(along(reckon(s)), along(s.x_sd), along(s.x), along(s.v), along(s.F_e)).z();
+    if (!s.from.in) return finder_.forget(), s.x_sd;
+    const Vec3 x_sd = along(s.x_sd), v = along(s.v), F_e = along(s.F_e);
+    const double wish = finder_.step(along(reckon(s)), x_sd, along(s.x), v, F_e).z();
+    constexpr double kFastest = 0.5;  // [m/s] as the workspace limits the target
+    const double step = kFastest * Bench::kTs;
+    return std::clamp(wish, s.x_sd - step, s.x_sd + step);
   }
   const WallFinder& finder() const { return finder_; }
   const WallRenderer& renderer() const { return renderer_; }

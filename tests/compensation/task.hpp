@@ -1,5 +1,6 @@
-// What the hand does on the bench, and the figures of it: 4 s of a free sine of 0.5 Hz and 25 mm, a
-// ramp to 20 mm beyond the wall, 4 s held, and back.
+// What the hand does on the bench, and the figures of it: 1 s of rest, in which the sides hear of
+// each other, 4 s of a free sine of 0.5 Hz and 25 mm, a ramp to 20 mm beyond the wall, 4 s held,
+// and back.
 #pragma once
 
 #include <algorithm>
@@ -9,11 +10,11 @@
 
 namespace farhand::bench {
 
-inline constexpr double kFree = 4, kRamp = 2, kHold = 4, kAfter = 1;
+inline constexpr double kRest = 1, kFree = 5, kRamp = 2, kHold = 4, kAfter = 1;
 inline constexpr double kWall = 0.04, kBeyond = 0.02;
 
 inline double wished_place(double t, double hold) {
-  if (t < kFree) return 0.025 * std::sin(std::numbers::pi * t);
+  if (t < kFree) return 0.025 * std::sin(std::numbers::pi * std::max(t - kRest, 0.0));
   const double in = std::clamp((t - kFree) / kRamp, 0.0, 1.0);
   const double out = std::clamp((t - kFree - kRamp - hold) / kRamp, 0.0, 1.0);
   return (kWall + kBeyond) * (in - out);
@@ -24,13 +25,13 @@ inline Wish wish(double t, double hold) {
 }
 
 struct Figures {
-  double rmse = 0;                  // [m] robot against the handle T1 before, free from 1 s on
-  double drag = 0;                  // [N] mean |F|, free from 1 s on
-  double force = 0;                 // [N] felt, last second of the hold
-  double felt = 0;                  // stiffness felt over the wall's, last second of the hold
-  double chatter = 0;               // [m/s] RMS of the faster of both sides, last 2 s of the hold
-  double least = 0;                 // [J] least energy that went into the network, both ports
-  double operator_least = 0;        // [J] at the hand
+  double rmse = 0;            // [m] robot against the handle T1 before, free from its second s on
+  double drag = 0;            // [N] mean |F|, free from its second s on
+  double force = 0;           // [N] felt, last second of the hold
+  double felt = 0;            // stiffness felt over the wall's, last second of the hold
+  double chatter = 0;         // [m/s] RMS of the faster of both sides, last 2 s of the hold
+  double least = 0;           // [J] least energy that went into the network, both ports
+  double operator_least = 0;  // [J] at the hand
   double peak_F = 0, peak_F_e = 0;  // [N]
   double lag = 0;                   // [m] |x_m - x_s| at the end
   bool finite = true;
@@ -57,7 +58,7 @@ Figures run(const Rig& rig, Method& method, double T1, Each&& each) {
     f.peak_F = std::max(f.peak_F, std::abs(a.F)), f.peak_F_e = std::max(f.peak_F_e, a.F_e);
     f.finite = f.finite && std::abs(a.x_m) < 1 && std::abs(a.x_s) < 1;
     if (!f.finite) break;
-    if (t >= 1 && t < kFree) {
+    if (t >= kRest + 1 && t < kFree) {
       const double e = a.x_s - x_m[x_m.size() - 1 - std::min(lead, x_m.size() - 1)];
       rmse += e * e, drag += std::abs(a.F), ++free;
     }

@@ -34,7 +34,7 @@ TEST(Wave, FeelsTheWallInSeriesWithTheNetwork) {
 TEST(Wave, GivesOutNoEnergyInAnyImpairment) {
   double least = 0, chatter = 0;
   for (const double rtt : kRoundTrips)
-    for (const Condition& c : conditions(rtt, rtt == 100 ? 7 : 19))
+    for (const Condition& c : conditions(rtt, rtt == 100 ? 13 : 31))
       for (const double k : kWalls) {
         Wave method({});
         const Figures f = run(c.rig(k), method, c.T1());
