@@ -26,11 +26,11 @@ class DampedCoupling {
  public:
   explicit DampedCoupling(const DampedCouplingConfig& config) noexcept;
 
-  // Handle on coupling, G axes, faded by the message's age (`share`; back in slowly). Without the
-  // robot's pose in the message only the dampers act. echo_age: of our own message that the robot's
-  // answers.
+  // Handle on coupling, G axes, faded by the message's age (`age_share`; back in slowly). Without
+  // the robot's pose in the message only the dampers act. echo_age: of our own message that the
+  // robot's answers.
   Wrench step(const HandlePose& handle, const Twist& V_MH, const SlaveToMaster& robot,
-              Duration echo_age, double share) noexcept;
+              Duration echo_age, double age_share) noexcept;
   // In a tick in which nothing of it is felt.
   void let_go() noexcept;
 
