@@ -208,9 +208,8 @@ constexpr const char* to_string(Reason reason) noexcept {
       "the other side is not ready: see what it says",
       "the other side has a fault: see what it says",
       "the other side was stopped: start it again",
-      "it does not answer: check power and cable, then press the clutch with the dead-man released",
-      "its readings cannot be true: check encoders and cable, then press the clutch with the "
-      "dead-man released",
+      "it does not answer: check power and cable, then press the clutch, dead-man released",
+      "its readings cannot be: check encoders and cable, then press the clutch, dead-man released",
       "outside of its workspace: move it back",
       "release the dead-man",
       "turn the handle to the robot's orientation",
