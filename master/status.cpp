@@ -53,9 +53,18 @@ void MasterStatus::watch_silence(const MasterRecord& r) {
       "no answer from the slave: is it running, at that address, with the same scene and key?");
 }
 
+// The operator sits here: what ails the robot is told here too.
+void MasterStatus::watch_slave(const MasterRecord& r) {
+  const Reason fault = r.tick.slave_mode == Mode::fault ? r.tick.slave_reason : Reason::none;
+  if (fault != Reason::none && fault != slave_fault_)
+    spdlog::error("the robot's side: FAULT: {}", to_string(fault));
+  slave_fault_ = fault;
+}
+
 void MasterStatus::add(const MasterRecord& r) {
   summary_.add(r.tick);
   watch_silence(r);
+  watch_slave(r);
   watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
   watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
 }
