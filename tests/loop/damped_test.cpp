@@ -90,7 +90,7 @@ TEST(DampedLoop, HoldsTheWallThroughABadNetwork) {
       std::printf("%3.0f ms, seed %lu: felt %.1f N/m, handle %.2f mm/s rms\n", rtt, seed,
                   h.stiffness, h.chatter * 1e3);
       EXPECT_EQ(h.violations, 0u);
-      EXPECT_NEAR(h.stiffness / 285.7, 1, 0.1) << rtt << ' ' << seed;
+      EXPECT_NEAR(h.stiffness / 285.7, 1, 0.02) << rtt << ' ' << seed;
       EXPECT_LT(h.chatter, 0.005) << rtt << ' ' << seed;
     }
 }
