@@ -54,3 +54,9 @@ engaged_only_by_a_press() {
   done
   return 0
 }
+# Neither side got anywhere but to its end.
+stayed_apart() {
+  for name in master slave; do
+    [[ -z "$(mode_lines "$name" | grep -v -- '-> STOPPED$')" ]] || return 1
+  done
+}
