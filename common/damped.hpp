@@ -30,7 +30,7 @@ struct TouchConfig {
 };
 
 // Share of the coupling, 0 free to 1 in contact.
-class Touch {
+class TouchCoupling {
  public:
   double step(const std::optional<TouchConfig>& c, double F_e, double Ts) noexcept {
     if (!c) return 1;

@@ -35,7 +35,7 @@ class DampedMaster {
  private:
   DampedConfig config_;
   EchoDelay delay_;
-  Touch touch_;
+  TouchCoupling touch_;
 };
 
 }  // namespace farhand

@@ -46,7 +46,7 @@ class DampedSlave {
  private:
   DampedConfig config_;
   EchoDelay delay_;
-  Touch touch_;
+  TouchCoupling touch_;
 };
 
 // Velocity of the target in this tick, under F_s of the network and F_e, robot on environment.
