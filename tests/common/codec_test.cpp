@@ -145,7 +145,8 @@ TEST(Codec, MessagesThatCannotBeAreNotSent) {
         [&](auto& m) { m.V_MH.linear.y() = bad; },
         [&](auto& m) { m.energies.translation = bad; },
         [&](auto& m) { m.energies.rotation = bad; },
-        [](auto& m) { m.mode = static_cast<Mode>(4); }};
+        [](auto& m) { m.mode = static_cast<Mode>(kModes); },
+        [](auto& m) { m.reason = static_cast<Reason>(kReasons); }};
     const std::function<void(SlaveToMaster&)> up[] = {
         [&](auto& m) { m.p_SE.x() = bad; },
         [&](auto& m) { m.q_SE.z() = bad; },
@@ -243,7 +244,7 @@ TEST_F(Foreign, NumbersThatAreNoneAreMalformed) {
 
 TEST_F(Foreign, AnUnknownModeIsMalformed) {
   message.clear_mode();
-  message.mutable_unknown_fields()->AddVarint(6, 4);
+  message.mutable_unknown_fields()->AddVarint(6, kModes);
   EXPECT_EQ(decoded(), Verdict::malformed);
 }
 

@@ -122,6 +122,7 @@ Scene eventful() {
   for (int k = 0; k < 20; ++k) {
     press(o, proto::Press::DEAD_MAN, 0.5 + k, 0.9);
     press(o, proto::Press::CLUTCH, 1.05 + k, 0.15);
+    press(o, proto::Press::CLUTCH, 1.42 + k, 0.05);  // dead-man released: leaves a fault
   }
   proto::Motion& m = *o.mutable_motion();
   m.clear_sine();

@@ -32,7 +32,7 @@ RecordedTicks record_ticks(const Scene& scene, std::size_t ticks);
 // The partner as seen when its message has just arrived.
 template <typename Message>
 Peer<Message> fresh(const Message& message) {
-  return {.newest = &message, .connected = true, .age = Duration(0)};
+  return {.newest = &message, .connected = true, .age = Duration(0), .synced = true};
 }
 
 }  // namespace farhand

@@ -54,7 +54,8 @@ bool same(const MasterTick& a, const MasterTick& b) {
   };
   return bits(a) == bits(b) && a.out.mode == b.out.mode && a.mode == b.mode &&
          a.out.dead_man_presses == b.out.dead_man_presses && a.age == b.age &&
-         a.slave_mode == b.slave_mode && a.coupled == b.coupled;
+         a.slave_mode == b.slave_mode && a.reason == b.reason && a.slave_reason == b.slave_reason &&
+         a.coupled == b.coupled;
 }
 
 bool same(const SlaveTick& a, const SlaveTick& b) {
@@ -64,7 +65,8 @@ bool same(const SlaveTick& a, const SlaveTick& b) {
         .finished();
   };
   return bits(a) == bits(b) && a.out.mode == b.out.mode && a.mode == b.mode &&
-         a.out.coupled == b.out.coupled && a.limits == b.limits && a.inverse == b.inverse;
+         a.reason == b.reason && a.out.coupled == b.out.coupled && a.limits == b.limits &&
+         a.inverse == b.inverse;
 }
 
 bool same_bits(const MasterConfig& m, const SlaveConfig& s, const RecordedTicks& recorded) {

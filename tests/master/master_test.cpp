@@ -217,7 +217,7 @@ TEST(Master, ClutchFreesTheHandOfForce) {
     rig.tick();
     rig.answer.coupled = false;
   }
-  EXPECT_LT(rig.master.actuate(rig.now, {&rig.answer, true, {}}).F_G.force.norm(), 0.6);
+  EXPECT_LT(rig.master.actuate(rig.now, {&rig.answer, true, {}, true}).F_G.force.norm(), 0.6);
 }
 
 TEST(Master, CountsPresses) {

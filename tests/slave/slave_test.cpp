@@ -207,7 +207,7 @@ TEST(Slave, TorquesStayWithinTheirLimitsAndSlew) {
   for (int k = 0; k < 200; ++k) {
     rig.robot.q = kTeleopHome + Vec6::Constant(k % 2 == 0 ? 3 : -3);
     const SlaveTick& t =
-        rig.slave.tick(rig.now += milliseconds(1), {&rig.message, true, {}}, rig.robot);
+        rig.slave.tick(rig.now += milliseconds(1), {&rig.message, true, {}, true}, rig.robot);
     for (int i = 0; i < 6; ++i) {
       const double max = rig.slave.config().model.links[i].torque_limit;
       EXPECT_LE(std::abs(t.tau[i]), max);

@@ -79,8 +79,8 @@ TEST(FarFromTheOrigin, TheSlavesTick) {
     in.p_MH = way(k * kTs, Vec3(0.18, 0, 0));
     in_far = in;
     in_far.p_MH += kFar;
-    const SlaveTick& a = near.tick(now, {&in, true, {}}, robot);
-    const SlaveTick& b = far.tick(now, {&in_far, true, {}}, robot_far);
+    const SlaveTick& a = near.tick(now, {&in, true, {}, true}, robot);
+    const SlaveTick& b = far.tick(now, {&in_far, true, {}, true}, robot_far);
     EXPECT_EQ(a.coupled, k >= 2);
     lost = std::max(lost, (a.q_cmd - b.q_cmd).cwiseAbs().maxCoeff());
     const ArmKinematics at = kinematics(config.arm, a.q_cmd);
