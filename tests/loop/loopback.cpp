@@ -19,10 +19,6 @@ AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
                      stream(options.seed.value_or(scene.proto.seed()), kHandStream));
 }
 
-void push(Impairment& network, std::span<const std::byte> datagram, TimePoint now) noexcept {
-  if (!datagram.empty()) network.push(datagram, now);
-}
-
 }  // namespace
 
 Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
@@ -42,6 +38,10 @@ Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
       to_slave(to_slave_config(scene.proto.link()), stream(seed, kToSlaveStream)),
       to_master(to_master_config(scene.proto.link()), stream(seed, kToMasterStream)),
       phase(loop.period, kStart + loop.period / 2) {}
+
+void Loopback::push(Impairment& network, std::span<const std::byte> datagram) noexcept {
+  if (!cut_ && !datagram.empty()) network.push(datagram, now_);
+}
 
 void Loopback::run() {
   run_until(end_);
@@ -92,8 +92,8 @@ void Loopback::slave_tick() {
   const SlaveTick& tick =
       s.slave.tick(now_, peer<MasterToSlave>(s.link, now_, s.loop.lost), reading);
   write(s.robot, now_, tick.tau);
-  push(s.to_master, s.link.hello_due(now_), now_);
-  push(s.to_master, s.link.encode(tick.out, now_), now_);
+  push(s.to_master, s.link.hello_due(now_));
+  push(s.to_master, s.link.encode(tick.out, now_));
   s.phase.ticked(now_, s.arrival);
   s.arrival.reset();
   if (s.link.newest() != nullptr) s.ticked_sequence = s.link.newest()->sequence;
@@ -108,8 +108,8 @@ void Loopback::sample() {
   next_sample_ += loop_.period;
   cut_off_ = now_;
   if (!slave_) return;
-  push(slave_->to_slave, link_.hello_due(now_), now_);
-  push(slave_->to_slave, link_.encode(message, now_), now_);
+  push(slave_->to_slave, link_.hello_due(now_));
+  push(slave_->to_slave, link_.encode(message, now_));
   sent_sequence_ = link_.sequence();
   cut_off_ = now_ + loop_.cut_off;
 }

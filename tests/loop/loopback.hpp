@@ -38,6 +38,9 @@ class Loopback {
   std::function<void(const MasterTick&)> on_master = [](const MasterTick&) {};
   std::function<void(const SlaveTick&)> on_slave = [](const SlaveTick&) {};
 
+  // While cut, nothing more enters the network; what is under way arrives.
+  void cut(bool on) noexcept { cut_ = on; }
+
   // Runs to the end of the scene's duration.
   void run();
   // Runs up to `until`, exclusive.
@@ -82,6 +85,7 @@ class Loopback {
     std::optional<TimePoint> arrival;  // of the newest message no tick has used
   };
 
+  void push(Impairment& network, std::span<const std::byte> datagram) noexcept;
   TimePoint next_event() const noexcept;
   TimePoint slave_due() const noexcept;
   void deliver() noexcept;
@@ -99,6 +103,7 @@ class Loopback {
   TimePoint now_ = kStart;
   TimePoint end_;
   TimePoint next_sample_ = kStart;
+  bool cut_ = false;
   std::optional<TimePoint> cut_off_;  // while an answer is awaited
   std::uint64_t sent_sequence_ = 0;
   std::array<std::byte, kMaxDatagramBytes> buffer_{};
