@@ -38,8 +38,11 @@ class ForceGuard {
   // which the last force did its work. Returns the force to give in place of F_wanted. All of the
   // port's force must pass here, dampers included.
   Vec3 step(const Vec3& F_wanted, const Vec3& x) noexcept;
-  // The device was not driven by us since the last step: no work is counted for it.
-  void let_go() noexcept { F_ = added_ = Vec3::Zero(); }
+  // Not driven by us since the last step: no work is counted, and the next step starts anew.
+  void let_go() noexcept {
+    F_ = added_ = Vec3::Zero();
+    ticks_ = 0;
+  }
 
   EnergyBudget& budget() noexcept { return budget_; }
   const EnergyBudget& budget() const noexcept { return budget_; }

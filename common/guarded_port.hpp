@@ -1,6 +1,8 @@
 // A side's guard of one port, and the sums that the messages carry between the two.
 #pragma once
 
+#include <optional>
+
 #include "common/force_guard.hpp"
 
 namespace farhand {
@@ -9,11 +11,13 @@ class GuardedPort {
  public:
   explicit GuardedPort(const ForceGuardConfig& config) noexcept : guard_(config) {}
 
-  // The peer's `in`, of its newest message. Less than before: it began anew.
+  // The peer's `in`, of its newest message. What it counted before we first heard it was another's
+  // to give out; less than before means that it began anew.
   void hear(double peer_in) noexcept {
-    if (peer_in < heard_) guard_.budget().restart();
+    if (heard_ && peer_in < *heard_) guard_.budget().restart();
+    if (!heard_ || peer_in < *heard_) before_ = peer_in;
     heard_ = peer_in;
-    guard_.budget().receive(peer_in);
+    guard_.budget().receive(peer_in - before_);
   }
   double told() const noexcept { return guard_.budget().in(); }
 
@@ -24,7 +28,8 @@ class GuardedPort {
 
  private:
   ForceGuard guard_;
-  double heard_ = 0;
+  std::optional<double> heard_;
+  double before_ = 0;
 };
 
 }  // namespace farhand

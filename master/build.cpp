@@ -47,6 +47,8 @@ double max_motor_torque(const proto::Master& m) {
 DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
   const proto::DampedCompensation& d = scene.compensation().damped();
   DampedCouplingConfig c;
+  c.max_force = scene.master().force_feedback().max_force_newton();
+  c.max_torque = scene.master().force_feedback().max_torque_newton_meter();
   c.rotation = scene.master().has_twin_delta() && !scene.slave().workspace().rotation_lock();
   c.translation.stiffness = d.stiffness_newton_per_m();
   c.translation.max_damping = d.max_damping_newton_s_per_m();

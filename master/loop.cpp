@@ -35,7 +35,8 @@ void MasterLoop::park() noexcept {
   constexpr double kParked = 0.002;  // [m]
   const auto& position = master_.config().position_control;
   if (!position || !position->park_p_MH) return;
-  parking_ = true;
+  if (record_ == nullptr || record_->tick.mode == Mode::fault) return;
+  master_.park();
   double left = 0;
   const TimePoint end = monotonic_now() + config_.park;
   do {
@@ -53,7 +54,6 @@ void MasterLoop::turn() noexcept {
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
-  reading.clutch |= parking_;
   const TimePoint sampled = monotonic_now();
   const MasterToSlave& message = master_.sample(begin, reading, slave(begin));
   const TimePoint sent = monotonic_now();

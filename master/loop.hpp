@@ -58,7 +58,6 @@ class MasterLoop {
   UdpSocket* socket_;
   Recorder<MasterRecord>& recorder_;
   OverrunSplit split_;
-  bool parking_ = false;
   TimePoint next_{};
   std::uint64_t sent_sequence_ = 0;
   MasterRecord* record_ = nullptr;  // this turn's, in the recorder's queue

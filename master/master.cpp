@@ -110,6 +110,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   } else if (usable()) {
     tick_.limits |= kLimitAcceptance;
     if (force_) force_->let_go();
+    if (damped_) damped_->let_go();
     if (position_) position_->let_go();
   }
   tick_.tau = limit_motor_torques(
@@ -148,7 +149,7 @@ Wrench Master::drive_to_target(TimePoint now, const Vec3& danger_M) noexcept {
     F.force = position_->step(now,
                               {.p_MH = tick_.handle.X_MH.p,
                                .v_MH = tick_.out.V_MH.linear,
-                               .park = tick_.reading.clutch,
+                               .park = tick_.reading.clutch || park_,
                                .danger_M = danger_M},
                               tick_.limits);
   tick_.p_MH_target = position_->target();

@@ -88,6 +88,8 @@ class Master {
   const MasterTick& actuate(TimePoint now, const Peer<SlaveToMaster>& slave,
                             const Vec3& danger_M = Vec3::Zero()) noexcept;
 
+  // From now on position control parks the grip, as if the clutch were held; it leaves no fault.
+  void park() noexcept { park_ = true; }
   // From the next sample on STOPPED, and every force lets go.
   void stop() noexcept { stop_ = true; }
 
@@ -115,6 +117,7 @@ class Master {
   Wrench F_given_G_;  // of the motors' torques written last
   ModeState state_;
   bool stop_ = false;
+  bool park_ = false;
   MasterTick tick_;
 };
 

@@ -28,17 +28,34 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.robot.ok = robot.ok && plausible(robot);
   tick_.limits = kLimitNone;
   decide_mode(master, robot.ok);
-  if (tick_.robot.ok) {
+  if (!tick_.robot.ok) {
+    stay_blind();
+  } else {
     const ArmKinematics arm = kinematics(config_.arm, robot.q);
     tick_.X_SE = arm.X_SE;
     tick_.singularity = arm.singularity;
     tick_.out.V_SE = tool_twist(arm.J, robot.dq);
     if (force_sensing_) tick_.F_E_S = force_sensing_->step(robot.F_E_S, arm.X_SE);
+    if (blind_) find_again();
     move_target(master);
     command_joints(arm.J, master.newest);
   }
   answer(master.newest);
   return tick_;
+}
+
+// What the robot does is not known: nobody may feel or follow it.
+void Slave::stay_blind() noexcept {
+  tick_.coupled = false;
+  tick_.out.V_SE = {};
+  tick_.F_E_S = {};
+  blind_ = blind_ || tick_.mode == Mode::fault;
+}
+
+// After a fault the robot may be anywhere: it is held where it is found, not driven back.
+void Slave::find_again() noexcept {
+  blind_ = started_ = false;
+  servo_.reset();
 }
 
 void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept {

@@ -80,6 +80,8 @@ class Slave {
 
  private:
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
+  void stay_blind() noexcept;
+  void find_again() noexcept;
   void move_target(const Peer<MasterToSlave>& master) noexcept;
   void follow_handle(const Peer<MasterToSlave>& master) noexcept;
   void follow_push(const MasterToSlave& in) noexcept;
@@ -103,6 +105,7 @@ class Slave {
   bool stop_ = false;
   std::uint32_t clutch_presses_ = 0;  // of the last message seen
   bool started_ = false;
+  bool blind_ = false;            // through a fault
   Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
   SlaveTick tick_;
 };

@@ -18,6 +18,8 @@ struct DampedCouplingConfig {
   DampedConfig translation;
   DampedConfig tilt{.stiffness = 1, .max_damping = 0.02};
   DampedConfig twist{.stiffness = 0.2, .max_damping = 0.003};
+  double max_force = 20,
+         max_torque = 1;  // [N], [N m] that the hand may feel: the guard must see it
   ForceGuardConfig guard;
   ForceGuardConfig rotation_guard{.store = 0.005, .reserve = 0.001, .max_damping = 0.02};
 };
@@ -43,6 +45,7 @@ class DampedCoupling {
               Duration echo_age) noexcept;
 
   bool rotates_;
+  double max_force_, max_torque_;
   double Ts_;
   FadeIn fade_in_;
   DampedMaster spring_, tilt_, twist_;

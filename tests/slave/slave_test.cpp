@@ -244,6 +244,35 @@ TEST(Slave, AFaultStaysUntilTheMasterClutchesWithTheDeadManReleased) {
   EXPECT_EQ(rig.tick().mode, Mode::ready);
 }
 
+TEST(Slave, ARobotThatDoesNotReadIsNeitherFeltNorFollowed) {
+  SlaveConfig config = Rig::default_config();
+  config.force_sensing.emplace();
+  Rig rig(config);
+  rig.engage();
+  rig.robot.F_E_S.force = Vec3(10, 0, 0);
+  EXPECT_GT(rig.tick(300).out.F_E_M.force.norm(), 5);
+  EXPECT_TRUE(rig.tick().out.coupled);
+  rig.robot.ok = false;
+  const SlaveTick& t = rig.tick();
+  EXPECT_FALSE(t.out.coupled);
+  EXPECT_EQ(t.out.F_E_M.force.norm(), 0);
+  EXPECT_EQ(t.out.V_SE.linear.norm(), 0);
+}
+
+TEST(Slave, AfterAFaultTheRobotIsHeldWhereItIsFound) {
+  Rig rig;
+  rig.engage();
+  rig.tick(30);
+  rig.robot.ok = false;
+  EXPECT_EQ(rig.tick(60).mode, Mode::fault);
+  const Vec6 found = kTeleopHome + Vec6::Constant(0.1);  // moved meanwhile
+  rig.robot.q = found;
+  rig.robot.ok = true;
+  EXPECT_EQ(rig.tick().q_cmd, found);
+  EXPECT_EQ(rig.tick(100).q_cmd, found);
+  EXPECT_EQ(rig.tick().mode, Mode::fault);
+}
+
 TEST(Slave, StoppedHoldsTheRobotAndIsFinal) {
   Rig rig;
   rig.engage();
