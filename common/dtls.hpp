@@ -30,6 +30,10 @@ Verdict judge_record(std::span<const std::byte> datagram) noexcept;
 // The same for the datagrams of a handshake; no other need go to DtlsHandshake::receive.
 bool part_of_handshake(std::span<const std::byte> datagram) noexcept;
 
+// Once on the thread that will seal and open, before its loop: OpenSSL makes an error state for
+// each thread at its first use, the only thing it would allocate there.
+void prepare_dtls_thread() noexcept;
+
 // One authenticated connection. Nothing that arrives can end it: alerts and renegotiation are
 // dropped unread. Neither function allocates, not even on forged input.
 class DtlsSession {

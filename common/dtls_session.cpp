@@ -1,3 +1,5 @@
+#include <openssl/err.h>
+
 #include <algorithm>
 
 #include "common/dtls_connection.hpp"
@@ -38,6 +40,10 @@ bool part_of_handshake(std::span<const std::byte> datagram) noexcept {
          (type == SSL3_RT_HANDSHAKE
               ? epoch <= kDataEpoch
               : epoch == 0 && (type == SSL3_RT_CHANGE_CIPHER_SPEC || type == SSL3_RT_ALERT));
+}
+
+void prepare_dtls_thread() noexcept {
+  ERR_clear_error();
 }
 
 DtlsSession::DtlsSession(std::unique_ptr<DtlsConnection> connection) noexcept

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller, about an hour on one core; with a
-# number, that many ticks of each. `stress.sh hosts` is the other one: both programs on two hosts through every harm fifty times,
-# some 90 minutes; with a number, as often as that.
+# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each), 10^4
+# cuts of the link: about an hour on one core. `stress.sh hosts` is the other one: both programs on two hosts through every harm
+# fifty times, some 90 minutes; with a number, as often as that.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,6 +11,7 @@ if [[ "${1:-}" == hosts ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-impair
   exec tests/loop/two_hosts.sh build/release/bin "${2:-50}"
 fi
-cmake --build --preset release --target stress_ticks_test stress_controllers_test
+cmake --build --preset release --target stress_ticks_test stress_controllers_test loop_link_cut_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test
 FARHAND_STRESS_TICKS="${1:-1000000000}" build/release/bin/stress_controllers_test
+FARHAND_STRESS_TICKS=10000 build/release/bin/loop_link_cut_test

@@ -15,7 +15,9 @@ MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice
       device_(device),
       link_(link),
       socket_(socket),
-      recorder_(recorder) {}
+      recorder_(recorder) {
+  if (link != nullptr && link->secure() != nullptr) prepare_dtls_thread();
+}
 
 void MasterLoop::run(Duration limit) noexcept {
   next_ = monotonic_now() + config_.period;

@@ -30,8 +30,8 @@ struct MasterLoopConfig {
 
 class MasterLoop {
  public:
-  // Everything is borrowed and must outlive the loop; socket and link are nullptr for a scene
-  // without a slave.
+  // To be made on the thread that turns it. Everything is borrowed and must outlive the loop;
+  // socket and link are nullptr for a scene without a slave.
   MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
              UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept;
 

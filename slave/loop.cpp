@@ -14,7 +14,9 @@ SlaveLoop::SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robo
       link_(link),
       socket_(socket),
       recorder_(recorder),
-      phase_(config.period, monotonic_now() + config.period) {}
+      phase_(config.period, monotonic_now() + config.period) {
+  if (link.secure() != nullptr) prepare_dtls_thread();
+}
 
 void SlaveLoop::run(Duration limit) noexcept {
   const TimePoint last = phase_.deadline() + limit;

@@ -27,7 +27,7 @@ struct SlaveLoopConfig {
 
 class SlaveLoop {
  public:
-  // Everything is borrowed and must outlive the loop.
+  // To be made on the thread that turns it. Everything is borrowed and must outlive the loop.
   SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link,
             UdpSocket& socket, Recorder<SlaveRecord>& recorder) noexcept;
 
