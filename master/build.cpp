@@ -200,12 +200,13 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   if (scene.has_slave())
     out.push_back("link              send the handle's pose; await the answer");
   if (m.has_force_feedback()) {
-    out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
-                              m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
     if (scene.compensation().has_damped())
       out.push_back(fmt::format(
-          "damped            {:g} N/m to the robot's place, damped by the delay, guarded",
+          "compensation      damped: {:g} N/m to the robot's place, damped by the delay, guarded",
           scene.compensation().damped().stiffness_newton_per_m()));
+    else
+      out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
+                                m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
     if (channels(scene).robot_position)
       out.push_back(fmt::format("robot_coupling    {:g} N/m to the robot's position",
                                 coupling(scene.bilateral()).stiffness_newton_per_m()));
