@@ -23,7 +23,6 @@ class GuardedPort {
 
   Vec3 step(const Vec3& F_wanted, const Vec3& x) noexcept { return guard_.step(F_wanted, x); }
   void let_go() noexcept { guard_.let_go(); }
-  bool acting() const noexcept { return guard_.acting(); }
   double left() const noexcept { return guard_.budget().left(); }
 
  private:

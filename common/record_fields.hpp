@@ -2,10 +2,18 @@
 #pragma once
 
 #include "common/loop_report.hpp"
+#include "common/mode.hpp"
 #include "common/realtime.hpp"
 #include "common/recording_file.hpp"
+#include "proto/record.pb.h"
 
 namespace farhand {
+
+// A recording's numbers are the states' own.
+static_assert(static_cast<int>(Mode::stopped) == record::MODE_STOPPED &&
+              static_cast<int>(Mode::holding) == record::MODE_HOLDING &&
+              static_cast<int>(Reason::silent) == record::REASON_SILENT &&
+              static_cast<int>(Reason::stop_asked) == record::REASON_STOP_ASKED);
 
 inline float microseconds(Duration d) noexcept {
   return plotted<12>(static_cast<double>(d.count()) * 1e-3);

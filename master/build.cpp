@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/scene_bilateral.hpp"
+#include "common/scene_compensation.hpp"
 #include "common/scene_values.hpp"
 #include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
@@ -49,16 +50,12 @@ DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
   DampedCouplingConfig c;
   c.max_force = scene.master().force_feedback().max_force_newton();
   c.max_torque = scene.master().force_feedback().max_torque_newton_meter();
-  c.rotation = scene.master().has_twin_delta() && !scene.slave().workspace().rotation_lock();
-  c.translation.stiffness = d.stiffness_newton_per_m();
-  c.translation.max_damping = d.max_damping_newton_s_per_m();
-  c.tilt.stiffness = d.rotation_stiffness_newton_m_per_rad();
-  c.tilt.max_damping = d.max_rotation_damping_newton_m_s();
-  c.twist.stiffness = d.twist_stiffness_newton_m_per_rad();
-  c.twist.max_damping = d.max_twist_damping_newton_m_s();
-  for (double* period : {&c.translation.delay.Ts, &c.tilt.delay.Ts, &c.twist.delay.Ts, &c.guard.Ts,
-                         &c.rotation_guard.Ts})
-    *period = Ts;
+  c.rotation = couples_rotation(scene);
+  c.translation = damped_port(d.stiffness_newton_per_m(), d.max_damping_newton_s_per_m(), Ts);
+  c.tilt =
+      damped_port(d.rotation_stiffness_newton_m_per_rad(), d.max_rotation_damping_newton_m_s(), Ts);
+  c.twist = damped_port(d.twist_stiffness_newton_m_per_rad(), d.max_twist_damping_newton_m_s(), Ts);
+  c.guard.Ts = c.rotation_guard.Ts = Ts;
   return c;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "common/scene_bilateral.hpp"
+#include "common/scene_compensation.hpp"
 #include "common/scene_values.hpp"
 
 namespace farhand {
@@ -96,19 +97,16 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
 DampedTargetConfig damped_target(const proto::Scene& scene, const SlaveConfig& slave) {
   const proto::DampedCompensation& d = scene.compensation().damped();
   DampedTargetConfig c;
-  c.rotation = scene.master().has_twin_delta() && !slave.workspace.rotation_lock;
-  c.translation.stiffness = d.stiffness_newton_per_m();
-  c.translation.max_damping = d.max_damping_newton_s_per_m();
-  c.turn.stiffness = d.rotation_stiffness_newton_m_per_rad();
-  c.turn.max_damping = d.max_rotation_damping_newton_m_s();
+  c.rotation = couples_rotation(scene);
+  c.translation = damped_port(d.stiffness_newton_per_m(), d.max_damping_newton_s_per_m(), slave.Ts);
+  c.turn = damped_port(d.rotation_stiffness_newton_m_per_rad(), d.max_rotation_damping_newton_m_s(),
+                       slave.Ts);
   c.mass.mass = d.virtual_mass_kg();
   c.mass.contact_damping = d.contact_damping_newton_s_per_m();
   c.mass.max_speed = slave.workspace.position_step / slave.Ts / slave.workspace.scale;
   c.inertia.mass = d.virtual_inertia_kg_m2();
   c.inertia.max_speed = slave.workspace.rotation_step / slave.Ts;
-  for (double* Ts : {&c.translation.delay.Ts, &c.turn.delay.Ts, &c.mass.Ts, &c.inertia.Ts,
-                     &c.guard.Ts, &c.rotation_guard.Ts})
-    *Ts = slave.Ts;
+  c.mass.Ts = c.inertia.Ts = c.guard.Ts = c.rotation_guard.Ts = slave.Ts;
   return c;
 }
 

@@ -37,8 +37,6 @@ class DampedCoupling {
   void let_go() noexcept;
 
   PortEnergies told() const noexcept { return {translation_.told(), rotation_.told()}; }
-  double delay() const noexcept { return spring_.delay(); }  // T* [s]
-  bool acting() const noexcept { return translation_.acting() || rotation_.acting(); }
 
  private:
   Vec3 torque(const HandlePose& handle, const Twist& V_MH, const SlaveToMaster& robot,

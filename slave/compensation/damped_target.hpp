@@ -35,7 +35,6 @@ class DampedTarget {
             const Wrench& F_E_M) noexcept;
 
   PortEnergies told() const noexcept { return {translation_.told(), rotation_.told()}; }
-  double delay() const noexcept { return spring_.delay(); }  // T* [s]
 
  private:
   DampedTargetConfig config_;

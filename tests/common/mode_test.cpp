@@ -56,17 +56,17 @@ std::vector<ModeState> reachable_states() {
   const auto inputs = all_inputs();
   using Key = std::tuple<Mode, Reason, bool, bool, bool>;
   std::set<Key> seen;
-  std::vector<ModeState> out, todo{ModeState{}};
-  while (!todo.empty()) {
-    const ModeState s = todo.back();
-    todo.pop_back();
+  std::vector<ModeState> out, unexplored{ModeState{}};
+  while (!unexplored.empty()) {
+    const ModeState s = unexplored.back();
+    unexplored.pop_back();
     for (const ModeInputs& in : inputs)
       for (const int ms : {1, 60}) {
         const ModeState to = next_mode(older(s, milliseconds(ms)), in, kNow);
         const bool old = to.failing && kNow - to.failing_since >= kFaultAfter;
         if (!seen.emplace(to.mode, to.reason, to.was_fit, to.failing, old).second) continue;
         out.push_back(to);
-        todo.push_back(to);
+        unexplored.push_back(to);
       }
   }
   return out;
