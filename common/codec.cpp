@@ -10,7 +10,7 @@ namespace {
 
 // A longer payload is not worth parsing.
 constexpr std::size_t kLongestMessageBytes =
-    std::max(kMasterToSlaveBytes + kUserWrenchBytes, kSlaveToMasterBytes + kRobotBytes);
+    std::max(kMasterToSlaveBytes + kUserWrenchBytes, kSlaveToMasterBytes + kRobotBytes + kWallBytes);
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -21,6 +21,9 @@ static_assert(static_cast<int>(Mode::disconnected) == proto::MODE_DISCONNECTED &
 static_assert(static_cast<int>(Reason::silent) == proto::REASON_SILENT &&
               static_cast<int>(Reason::stop_asked) == proto::Reason_MAX &&
               proto::Reason_ARRAYSIZE == kReasons);
+static_assert(static_cast<int>(Method::damped) == proto::METHOD_DAMPED &&
+              static_cast<int>(Method::mmt) == proto::Method_MAX &&
+              proto::Method_ARRAYSIZE == kMethods);
 static_assert(static_cast<int>(Role::master) == proto::ROLE_MASTER &&
               static_cast<int>(Role::slave) == proto::Role_MAX);
 
@@ -38,7 +41,7 @@ bool get(const Doubles& from, Column& to) {
   return true;
 }
 
-// What a message has only in some architectures: left out, it takes no room and reads as zero.
+// What a message has only in some scenes: left out, it takes no room and reads as zero.
 template <typename Column>
 void put_if(bool present, const Column& from, Doubles* to) {
   present ? put(from, to) : to->Clear();
@@ -55,6 +58,9 @@ bool in_range(Mode m) noexcept {
 }
 bool in_range(Reason r) noexcept {
   return r <= Reason::stop_asked;
+}
+bool in_range(Method m) noexcept {
+  return m <= Method::mmt;
 }
 bool is_rotation(const Quat& q) noexcept {
   return std::abs(q.norm() - 1) <= kQuaternionTolerance;  // false for NaN
@@ -112,6 +118,7 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   to.set_force_wanted(from.force_wanted);
   to.set_dead_man_presses(from.dead_man_presses);
   to.set_clutch_presses(from.clutch_presses);
+  to.set_method(static_cast<proto::Method>(from.method));
   to.set_translation_energy_joule(from.energies.translation);
   to.set_rotation_energy_joule(from.energies.rotation);
   put_if(from.has_user_wrench, from.F_user_M.force, to.mutable_user_force_in_master_newton());
@@ -133,11 +140,33 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
   to.force_wanted = from.force_wanted();
   to.dead_man_presses = from.dead_man_presses();
   to.clutch_presses = from.clutch_presses();
+  to.method = static_cast<Method>(from.method());
   to.energies.translation = from.translation_energy_joule();
   to.energies.rotation = from.rotation_energy_joule();
   to.has_user_wrench = from.user_force_in_master_newton_size() > 0;
   return get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
          get_if(to.has_user_wrench, from.user_torque_in_master_newton_m(), to.F_user_M.torque);
+}
+
+void put(const LocalWall& from, proto::Wall* to) {
+  put(from.x_w, to->mutable_point_in_master_m());
+  put(from.n, to->mutable_normal_in_master());
+  to->set_stiffness_newton_per_m(from.k);
+  to->set_damping_newton_s_per_m(from.b);
+  to->set_energy_joule(from.net);
+  to->set_contacts(from.contacts);
+  to->set_known(from.known);
+  to->set_sure(from.sure);
+}
+
+bool get(const proto::Wall& from, LocalWall& to) {
+  to.k = from.stiffness_newton_per_m();
+  to.b = from.damping_newton_s_per_m();
+  to.net = from.energy_joule();
+  to.contacts = from.contacts();
+  to.known = from.known();
+  to.sure = from.sure();
+  return get(from.point_in_master_m(), to.x_w) && get(from.normal_in_master(), to.n);
 }
 
 void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
@@ -160,6 +189,7 @@ void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
   put_if(from.has_robot, from.V_MR.angular,
          to.mutable_angular_velocity_robot_in_master_rad_per_s());
   put_if(from.has_robot, from.V_MR.linear, to.mutable_velocity_robot_in_master_m_per_s());
+  from.has_wall ? put(from.wall, to.mutable_wall()) : to.clear_wall();
 }
 
 bool get_robot(const proto::SlaveToMaster& from, SlaveToMaster& to) {
@@ -192,14 +222,16 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
   to.clutch_presses_seen = from.clutch_presses_seen();
   to.energies.translation = from.translation_energy_joule();
   to.energies.rotation = from.rotation_energy_joule();
-  return get_robot(from, to);
+  to.has_wall = from.has_wall();
+  if (!to.has_wall) to.wall = {};
+  return get_robot(from, to) && (!to.has_wall || get(from.wall(), to.wall));
 }
 
 std::size_t size_of(const MasterToSlave& m) noexcept {
   return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) noexcept {
-  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0);
+  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
 }
 
 template <typename Proto>
@@ -243,9 +275,19 @@ Verdict decode_with(PayloadType type, std::span<const std::byte> payload, Proto&
 
 }  // namespace
 
+namespace {
+
+bool valid(const LocalWall& w) noexcept {
+  const bool real = w.x_w.allFinite() && w.n.allFinite() && std::isfinite(w.net) &&
+                    std::isfinite(w.k) && std::isfinite(w.b) && w.k >= 0 && w.b >= 0;
+  return real && (!w.known || std::abs(w.n.norm() - 1) <= kQuaternionTolerance);
+}
+
+}  // namespace
+
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
-         in_range(m.reason) && std::isfinite(m.energies.translation) &&
+         in_range(m.reason) && in_range(m.method) && std::isfinite(m.energies.translation) &&
          std::isfinite(m.energies.rotation) && finite(m.F_user_M);
 }
 
@@ -253,7 +295,7 @@ bool valid(const SlaveToMaster& m) noexcept {
   return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && finite(m.F_E_M) &&
          in_range(m.mode) && in_range(m.reason) && std::isfinite(m.energies.translation) &&
          std::isfinite(m.energies.rotation) && m.p_MR.allFinite() && is_rotation(m.q_MR) &&
-         finite(m.V_MR);
+         finite(m.V_MR) && (!m.has_wall || valid(m.wall));
 }
 
 bool valid(const Header& h) noexcept {
@@ -273,7 +315,7 @@ Codec::Codec() : messages_(std::make_unique<Messages>()) {
   std::array<std::byte, kMaxPayloadBytes> payload{};
   Header header{.session = 1, .sequence = 1};
   MasterToSlave down{.has_user_wrench = true};
-  SlaveToMaster up{.has_robot = true};
+  SlaveToMaster up{.has_robot = true, .has_wall = true};
   decode(std::span(payload).first(encode(header, down, payload)), header, down);
   decode(std::span(payload).first(encode(header, up, payload)), header, up);
 }

@@ -6,18 +6,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
 
 #include "common/geometry.hpp"
+#include "common/method.hpp"
 
 namespace farhand {
-
-enum class Method : std::uint8_t { direct, damped, wave, smith, mmt };
-
-constexpr const char* to_string(Method m) noexcept {
-  constexpr const char* kNames[] = {"direct", "damped", "wave", "smith", "mmt"};
-  return kNames[static_cast<std::size_t>(m)];
-}
 
 struct MethodChoiceConfig {
   double device_damping = 10;  // B_h [N s/m] of hand and device, dependable

@@ -7,13 +7,15 @@
 #include <cstdint>
 
 #include "common/geometry.hpp"
+#include "common/local_wall.hpp"
+#include "common/method.hpp"
 #include "common/mode.hpp"
 #include "common/ports.hpp"
 
 namespace farhand {
 
 inline constexpr std::uint32_t kProtocolVersion =
-    3;                                               // changes with any byte below or in wire.proto
+    4;                                               // changes with any byte below or in wire.proto
 inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian like every number
 inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
 inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
@@ -25,11 +27,12 @@ inline constexpr std::size_t kMaxPayloadBytes =
 
 // Payload sizes, type byte included. A payload of another size is refused.
 inline constexpr std::size_t kHelloBytes = 31;
-inline constexpr std::size_t kMasterToSlaveBytes = 217;
+inline constexpr std::size_t kMasterToSlaveBytes = 220;
 inline constexpr std::size_t kSlaveToMasterBytes = 269;
-// More with what only some bilateral architectures send.
+// More with what only some bilateral architectures and compensations send.
 inline constexpr std::size_t kUserWrenchBytes = 52;
 inline constexpr std::size_t kRobotBytes = 116;
+inline constexpr std::size_t kWallBytes = 91;
 
 inline constexpr double kQuaternionTolerance = 1e-6;  // on the norm
 inline constexpr std::uint64_t kMaxStamp = std::uint64_t{1}
@@ -74,6 +77,7 @@ struct MasterToSlave {
   bool force_wanted = false;           // send me the wrench
   std::uint32_t dead_man_presses = 0;  // edges since the session began: none is missed by a loss
   std::uint32_t clutch_presses = 0;
+  Method method = Method::direct;  // by which the robot shall follow
   PortEnergies energies;  // of the master's port; 0 without a compensation that guards it
   bool has_user_wrench = false;
   Wrench F_user_M;  // user on handle at H, M axes
@@ -96,6 +100,8 @@ struct SlaveToMaster {
   Vec3 p_MR = Vec3::Zero();
   Quat q_MR = Quat::Identity();  // unit to kQuaternionTolerance
   Twist V_MR;
+  bool has_wall = false;
+  LocalWall wall;  // M axes, in the handle's terms
 };
 
 // What became of a received datagram, in the order of the checks.

@@ -36,6 +36,16 @@ inline Reason random_reason(Random& random) {
   return static_cast<Reason>(random.bits() % kReasons);
 }
 
+inline LocalWall random_wall(Random& random) {
+  LocalWall w{.known = random_bool(random), .sure = random_bool(random)};
+  w.x_w = random_vector(random);
+  w.n = random_vector(random).normalized();
+  w.k = random.uniform(), w.b = random.uniform();
+  w.contacts = random_count(random);
+  w.net = random.normal();
+  return w;
+}
+
 inline void randomise(Random& random, MasterToSlave& m) {
   m.p_MH = random_vector(random);
   m.q_MH = random_rotation(random);
@@ -47,6 +57,7 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.force_wanted = random_bool(random);
   m.dead_man_presses = random_count(random);
   m.clutch_presses = random_count(random);
+  m.method = static_cast<Method>(random.bits() % kMethods);
   m.energies.translation = random.normal();
   m.energies.rotation = random.normal();
   m.has_user_wrench = random_bool(random);
@@ -74,17 +85,24 @@ inline void randomise(Random& random, SlaveToMaster& m) {
   m.p_MR = m.has_robot ? random_vector(random) : Vec3::Zero();
   m.q_MR = m.has_robot ? random_rotation(random) : Quat::Identity();
   m.V_MR = m.has_robot ? random_twist(random) : Twist{};
+  m.has_wall = random_bool(random);
+  m.wall = m.has_wall ? random_wall(random) : LocalWall{};
 }
 
 // To the last bit.
 inline bool same(const Twist& a, const Twist& b) {
   return a.angular == b.angular && a.linear == b.linear;
 }
+inline bool same(const LocalWall& a, const LocalWall& b) {
+  return a.known == b.known && a.sure == b.sure && a.x_w == b.x_w && a.n == b.n && a.k == b.k &&
+         a.b == b.b && a.contacts == b.contacts && a.net == b.net;
+}
 inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
   return a.p_MH == b.p_MH && a.q_MH.coeffs() == b.q_MH.coeffs() && same(a.V_MH, b.V_MH) &&
          a.mode == b.mode && a.reason == b.reason && a.dead_man == b.dead_man &&
          a.clutch == b.clutch && a.force_wanted == b.force_wanted &&
          a.dead_man_presses == b.dead_man_presses && a.clutch_presses == b.clutch_presses &&
+         a.method == b.method &&
          a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_user_wrench == b.has_user_wrench &&
          a.F_user_M.force == b.F_user_M.force && a.F_user_M.torque == b.F_user_M.torque;
@@ -97,7 +115,8 @@ inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
          a.clutch_presses_seen == b.clutch_presses_seen &&
          a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_robot == b.has_robot &&
-         a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR);
+         a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR) &&
+         a.has_wall == b.has_wall && same(a.wall, b.wall);
 }
 
 }  // namespace farhand
