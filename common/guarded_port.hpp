@@ -23,6 +23,7 @@ class GuardedPort {
 
   Vec3 step(const Vec3& F_wanted, const Vec3& x) noexcept { return guard_.step(F_wanted, x); }
   void let_go() noexcept { guard_.let_go(); }
+  void cap() noexcept { guard_.budget().cap(); }
   double left() const noexcept { return guard_.budget().left(); }
 
  private:

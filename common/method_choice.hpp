@@ -1,8 +1,9 @@
 // Which compensation suits a link and an environment, and why. Direct feedback while the device's
 // damping can pay for the delay, kf ke RTT < B_h, with a factor of 2 in hand; above it the wall
 // rendered at the master, once the slave is sure of it; else P+d, which needs to know nothing.
-// Changes only where the hand feels little, or by a blend (MethodBlend), and not back and forth:
-// a limit that was crossed must be undercut by a fifth.
+// Changes only where the hand feels little, but for direct feedback beyond twice its limit, which
+// rings: that is left at once. By a blend (MethodBlend), and not back and forth: a limit that was
+// crossed must be undercut by a fifth.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +47,8 @@ class MethodChooser {
         direct     ? MethodChoice{Method::direct, "the device's damping pays for this delay"}
         : modelled ? MethodChoice{Method::mmt, "too long for direct; the wall is known and still"}
                    : MethodChoice{Method::damped, "too long for direct; the wall is not known"};
-    if (wish.method == choice_.method || felt < config_.quiet) choice_ = wish;
+    const bool urgent = was_direct && rtt > 2 * direct_limit();  // the damping is used up
+    if (wish.method == choice_.method || felt < config_.quiet || urgent) choice_ = wish;
     return choice_;
   }
 
@@ -56,7 +58,7 @@ class MethodChooser {
   double sure_ = 0;
 };
 
-// From one method's force to another's without a jump, for a change that cannot wait.
+// From one method's force to another's without a jump.
 class MethodBlend {
  public:
   static constexpr double kTime = 0.3;  // [s]

@@ -11,10 +11,29 @@ inline bool couples_rotation(const proto::Scene& scene) {
   return scene.master().has_twin_delta() && !scene.slave().workspace().rotation_lock();
 }
 
+// What the scene says of a method, named by itself or as one of several; its defaults otherwise.
+inline const proto::DampedCompensation& damped(const proto::Scene& scene) {
+  const proto::Compensation& c = scene.compensation();
+  return c.has_auto_() ? c.auto_().damped() : c.damped();
+}
+inline const proto::MediatedCompensation& mediated(const proto::Scene& scene) {
+  const proto::Compensation& c = scene.compensation();
+  return c.has_auto_() ? c.auto_().mmt() : c.mmt();
+}
+
 // One port, or one axis of it; Ts [s] is the tick.
 inline DampedConfig damped_port(double stiffness, double max_damping, double Ts) {
   DampedConfig c{.stiffness = stiffness, .max_damping = max_damping};
   c.delay.Ts = Ts;
+  return c;
+}
+
+inline DampedConfig damped_translation(const proto::DampedCompensation& d, double Ts) {
+  DampedConfig c = damped_port(d.stiffness_newton_per_m(), d.max_damping_newton_s_per_m(), Ts);
+  if (d.has_touch())
+    c.touch = {.force = d.touch().contact_newton(),
+               .drag = d.touch().drag_newton_s_per_m(),
+               .damping = d.touch().damping_newton_s_per_m()};
   return c;
 }
 

@@ -31,17 +31,16 @@ void add_compensation_rules(SceneRules& r) {
   using D = proto::DampedCompensation;
   rule<C>(
       r, "", [](const C& c) { return c.method_case() == C::METHOD_NOT_SET; }, "names no method",
-      "add damped {}, or remove it");
+      "add auto {}, damped {} or mmt {}, or remove it");
   rule<C>(
       r, "", [](const Scene& s, const C&) { return !s.has_slave(); },
       "makes up for a network to nowhere without a slave", "remove it");
   rule<C>(
       r, "", [](const Scene& s, const C&) { return !s.master().has_force_feedback(); },
       "gives a force that nobody feels", "add force_feedback {} to the master, or remove it");
-  rule<D>(
-      r, "", [](const Scene& s, const D&) { return !s.slave().has_force_sensing(); },
-      "lets contact push the robot's target back, which nothing senses",
-      "add force_sensing {} to the slave");
+  rule<C>(
+      r, "", [](const Scene& s, const C&) { return s.has_slave() && !s.slave().has_force_sensing(); },
+      "goes by what the robot touches, which nothing senses", "add force_sensing {} to the slave");
   not_on_falcon<D>(r, {"rotation_stiffness_newton_m_per_rad", "max_rotation_damping_newton_m_s",
                        "twist_stiffness_newton_m_per_rad", "max_twist_damping_newton_m_s",
                        "virtual_inertia_kg_m2"});

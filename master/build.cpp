@@ -45,18 +45,75 @@ double max_motor_torque(const proto::Master& m) {
                         : m.twin_delta().max_motor_torque_newton_meter();
 }
 
-DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
-  const proto::DampedCompensation& d = scene.compensation().damped();
-  DampedCouplingConfig c;
-  c.max_force = scene.master().force_feedback().max_force_newton();
-  c.max_torque = scene.master().force_feedback().max_torque_newton_meter();
-  c.rotation = couples_rotation(scene);
-  c.translation = damped_port(d.stiffness_newton_per_m(), d.max_damping_newton_s_per_m(), Ts);
+std::optional<DampedRotationConfig> damped_rotation(const proto::Scene& scene, double Ts) {
+  if (!couples_rotation(scene)) return {};
+  const proto::DampedCompensation& d = damped(scene);
+  DampedRotationConfig c;
   c.tilt =
       damped_port(d.rotation_stiffness_newton_m_per_rad(), d.max_rotation_damping_newton_m_s(), Ts);
   c.twist = damped_port(d.twist_stiffness_newton_m_per_rad(), d.max_twist_damping_newton_m_s(), Ts);
-  c.guard.Ts = c.rotation_guard.Ts = Ts;
+  c.max_torque = scene.master().force_feedback().max_torque_newton_meter();
+  c.guard.Ts = Ts;
   return c;
+}
+
+// Without its rotation.
+DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
+  DampedCouplingConfig c;
+  c.translation = damped_translation(damped(scene), Ts);
+  c.max_force = scene.master().force_feedback().max_force_newton();
+  c.guard.Ts = Ts;
+  return c;
+}
+
+// Without its rotation.
+MediatedCouplingConfig mediated_coupling(const proto::Scene& scene, double Ts) {
+  const proto::MediatedCompensation& m = mediated(scene);
+  MediatedCouplingConfig c;
+  c.renderer = {
+      .Ts = Ts, .agree_time = m.agree_ms() * 1e-3, .drag = m.drag_newton_s_per_m()};
+  c.max_force = scene.master().force_feedback().max_force_newton();
+  return c;
+}
+
+ChosenCouplingConfig chosen_coupling(const proto::Scene& scene, double Ts) {
+  const proto::AutoCompensation& a = scene.compensation().auto_();
+  ChosenCouplingConfig c;
+  c.choice = {.device_damping = a.device_damping_newton_s_per_m(),
+              .force_share = scene.slave().workspace().force_scale(),
+              .stiffest = a.stiffest_newton_per_m()};
+  c.delay.Ts = Ts;
+  c.damped = damped_coupling(scene, Ts);
+  c.mediated = mediated_coupling(scene, Ts);
+  c.rotation = damped_rotation(scene, Ts);
+  return c;
+}
+
+std::optional<CompensatedForceConfig> compensated_force(const proto::Scene& scene, double Ts) {
+  if (!scene.has_compensation()) return {};
+  if (scene.compensation().has_auto_()) return chosen_coupling(scene, Ts);
+  const auto with_rotation = [&](auto c) {
+    c.rotation = damped_rotation(scene, Ts);
+    return CompensatedForceConfig(c);
+  };
+  if (scene.compensation().has_mmt()) return with_rotation(mediated_coupling(scene, Ts));
+  return with_rotation(damped_coupling(scene, Ts));
+}
+
+std::string compensation_stage(const proto::Scene& scene) {
+  const proto::Compensation& c = scene.compensation();
+  if (c.has_auto_())
+    return "compensation      auto: direct, damped or mmt, by delay and what is known of the wall";
+  if (c.has_mmt())
+    return fmt::format(
+        "compensation      mmt: the slave's wall rendered here, at most {:g} N/m, from a tank",
+        c.mmt().max_stiffness_newton_per_m());
+  if (c.has_damped())
+    return fmt::format(
+        "compensation      damped: {:g} N/m to the robot's place{}, damped by the delay, guarded",
+        c.damped().stiffness_newton_per_m(), c.damped().has_touch() ? " in contact" : "");
+  const proto::ForceFeedback& f = scene.master().force_feedback();
+  return fmt::format("compensation      hold {:g} ms, fade {:g} ms", f.hold_ms(), f.fade_ms());
 }
 
 RobotCouplingConfig robot_coupling(const proto::RobotCoupling& c) {
@@ -153,12 +210,9 @@ MasterConfig master_config(const proto::Scene& scene) {
                        .grip_mass = m.force_sensing().grip_mass_kg()};
   if (m.has_force_feedback()) c.force_feedback = force_feedback_config(m, c.Ts);
   const Channels ch = channels(scene);
-  c.reflects_contact = ch.contact_force;
+  c.reflects_contact = ch.contact_force && !scene.has_compensation();
   c.sends_user_wrench = ch.user_force;
-  if (scene.compensation().has_damped()) {
-    c.damped = damped_coupling(scene, c.Ts);
-    c.reflects_contact = false;
-  }
+  c.compensated = compensated_force(scene, c.Ts);
   if (ch.robot_position) c.robot_coupling = robot_coupling(coupling(scene.bilateral()));
   if (m.has_position_control()) c.position_control = position_control(m.position_control(), c.Ts);
   if (m.has_guidance()) c.guidance = guidance(m.guidance());
@@ -197,13 +251,7 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   if (scene.has_slave())
     out.push_back("link              send the handle's pose; await the answer");
   if (m.has_force_feedback()) {
-    if (scene.compensation().has_damped())
-      out.push_back(fmt::format(
-          "compensation      damped: {:g} N/m to the robot's place, damped by the delay, guarded",
-          scene.compensation().damped().stiffness_newton_per_m()));
-    else
-      out.push_back(fmt::format("compensation      hold {:g} ms, fade {:g} ms",
-                                m.force_feedback().hold_ms(), m.force_feedback().fade_ms()));
+    out.push_back(compensation_stage(scene));
     if (channels(scene).robot_position)
       out.push_back(fmt::format("robot_coupling    {:g} N/m to the robot's position",
                                 coupling(scene.bilateral()).stiffness_newton_per_m()));

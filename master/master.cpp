@@ -12,7 +12,7 @@ Master::Master(const MasterConfig& config)
     : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
   if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
-  if (config.damped) damped_.emplace(*config.damped);
+  if (config.compensated) compensated_.emplace(*config.compensated);
   if (config.position_control) position_.emplace(*config.position_control, config.Ts);
   maps_forces_ = force_sensing_ || force_ || position_;
   tick_.out.force_wanted = wants_force(config);
@@ -35,7 +35,7 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
   out.reason = tick_.reason;
-  if (damped_) out.energies = damped_->told();
+  if (compensated_) compensated_->tell(out);
   out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
   if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
@@ -110,7 +110,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   } else if (usable()) {
     tick_.limits |= kLimitAcceptance;
     if (force_) force_->let_go();
-    if (damped_) damped_->let_go();
+    if (compensated_) compensated_->let_go();
     if (position_) position_->let_go();
   }
   tick_.tau = limit_motor_torques(
@@ -123,7 +123,12 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
 // What of the slave's side is felt, by the bilateral architecture.
 Wrench Master::environment(const Peer<SlaveToMaster>& slave, double share) noexcept {
   const SlaveToMaster& in = *slave.newest;
-  if (damped_) return damped_->step(tick_.handle, tick_.out.V_MH, in, slave.echo_age, share);
+  if (compensated_)
+    return compensated_->step({.handle = tick_.handle,
+                               .V_MH = tick_.out.V_MH,
+                               .robot = in,
+                               .echo_age = slave.echo_age,
+                               .share = share});
   Wrench F_G;
   if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
   if (config_.robot_coupling) {
@@ -161,12 +166,14 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   // Holding because the link aged: the last wrench fades by its age instead of breaking off.
   const bool in_touch = tick_.mode == Mode::engaged || tick_.mode == Mode::holding;
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
-  const CompensationConfig& fading = damped_ ? kSpringFade : config_.force_feedback->compensation;
+  const CompensationConfig& fading = compensated_ ? kSpringFade : config_.force_feedback->compensation;
   const double share = felt ? fade(fading, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   if (config_.robot_coupling) tick_.F_coupling_G = {};
   tick_.F_env_G = felt ? environment(slave, share) : Wrench{};
-  if (damped_ && !felt) damped_->let_go();
+  if (compensated_ && !felt) compensated_->let_go();
+  if (compensated_ && compensated_->choice() != nullptr)
+    tick_.method_reason = compensated_->choice()->reason;
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,

@@ -12,7 +12,7 @@
 #include "common/time.hpp"
 #include "common/wire.hpp"
 #include "master/compensation.hpp"
-#include "master/compensation/damped_coupling.hpp"
+#include "master/compensation/compensated_force.hpp"
 #include "master/force_controller.hpp"
 #include "master/force_sensing.hpp"
 #include "master/guidance.hpp"
@@ -39,7 +39,7 @@ struct MasterConfig {
   std::optional<HandleForceSensingConfig> force_sensing;  // twin delta only
   std::optional<ForceFeedbackConfig> force_feedback;
   bool reflects_contact = true;                       // the slave's contact wrench is felt
-  std::optional<DampedCouplingConfig> damped;         // instead of the contact wrench
+  std::optional<CompensatedForceConfig> compensated;  // instead of the contact wrench
   std::optional<RobotCouplingConfig> robot_coupling;  // the robot's position is felt, too
   bool sends_user_wrench = false;
   std::optional<PositionControlConfig> position_control;
@@ -61,6 +61,7 @@ struct MasterTick {
   Mode slave_mode = Mode::disconnected;  // as that message says, and
   Reason slave_reason = Reason::no_partner;
   bool coupled = false;     // whether the robot follows the handle
+  const char* method_reason = nullptr;  // for out.method; nullptr where the scene named it
   Wrench F_env_G;           // robot on environment in handle axes, as compensated;
                             // guidance against it
   Wrench F_coupling_G;      // the share of the coupling to the robot's pose in it
@@ -111,7 +112,7 @@ class Master {
   std::optional<HandleForceSensing> force_sensing_;
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;
-  std::optional<DampedCoupling> damped_;
+  std::optional<CompensatedForce> compensated_;
   bool maps_forces_ = false;  // some stage needs the map between wrenches and motors
   Status forces_ = Status::not_finite;
   Wrench F_given_G_;  // of the motors' torques written last

@@ -94,25 +94,74 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
   return c;
 }
 
+std::optional<DampedTurnConfig> damped_turn(const proto::Scene& scene, const SlaveConfig& slave) {
+  if (!couples_rotation(scene)) return {};
+  const proto::DampedCompensation& d = damped(scene);
+  DampedTurnConfig c;
+  c.spring = damped_port(d.rotation_stiffness_newton_m_per_rad(),
+                         d.max_rotation_damping_newton_m_s(), slave.Ts);
+  c.inertia.mass = d.virtual_inertia_kg_m2();
+  c.inertia.max_speed = slave.workspace.rotation_step / slave.Ts;
+  c.inertia.Ts = c.guard.Ts = slave.Ts;
+  return c;
+}
+
+// Without its rotation.
 DampedTargetConfig damped_target(const proto::Scene& scene, const SlaveConfig& slave) {
-  const proto::DampedCompensation& d = scene.compensation().damped();
+  const proto::DampedCompensation& d = damped(scene);
   DampedTargetConfig c;
-  c.rotation = couples_rotation(scene);
-  c.translation = damped_port(d.stiffness_newton_per_m(), d.max_damping_newton_s_per_m(), slave.Ts);
-  c.turn = damped_port(d.rotation_stiffness_newton_m_per_rad(), d.max_rotation_damping_newton_m_s(),
-                       slave.Ts);
+  c.translation = damped_translation(d, slave.Ts);
   c.mass.mass = d.virtual_mass_kg();
   c.mass.contact_damping = d.contact_damping_newton_s_per_m();
   c.mass.max_speed = slave.workspace.position_step / slave.Ts / slave.workspace.scale;
-  c.inertia.mass = d.virtual_inertia_kg_m2();
-  c.inertia.max_speed = slave.workspace.rotation_step / slave.Ts;
-  c.mass.Ts = c.inertia.Ts = c.guard.Ts = c.rotation_guard.Ts = slave.Ts;
+  c.mass.Ts = c.guard.Ts = slave.Ts;
   return c;
+}
+
+// Without its rotation. The servo is where the robot is: in the handle's terms it is as much
+// stiffer as forces are larger and ways longer there.
+MediatedTargetConfig mediated_target(const proto::Scene& scene, const SlaveConfig& slave) {
+  const proto::MediatedCompensation& m = mediated(scene);
+  const double scales = slave.workspace.scale * slave.workspace.force_scale;
+  MediatedTargetConfig c;
+  c.finder.Ts = c.finder.estimate.Ts = slave.Ts;
+  if (scales > 0) c.finder.servo_stiffness = m.servo_stiffness_newton_per_m() * scales;
+  c.finder.max_stiffness = m.max_stiffness_newton_per_m();
+  c.finder.touch = m.contact_newton();
+  c.finder.max_force = m.max_contact_newton();
+  return c;
+}
+
+std::optional<CompensatedTargetConfig> compensated_target(const proto::Scene& scene,
+                                                          const SlaveConfig& slave) {
+  if (!scene.has_compensation()) return {};
+  const auto turn = damped_turn(scene, slave);
+  if (scene.compensation().has_auto_())
+    return ChosenTargetConfig{.damped = damped_target(scene, slave),
+                              .mediated = mediated_target(scene, slave),
+                              .rotation = turn};
+  const auto with_rotation = [&](auto c) {
+    c.rotation = turn;
+    return CompensatedTargetConfig(c);
+  };
+  if (scene.compensation().has_mmt()) return with_rotation(mediated_target(scene, slave));
+  return with_rotation(damped_target(scene, slave));
+}
+
+std::string compensation_stage(const proto::Scene& scene) {
+  const proto::Compensation& c = scene.compensation();
+  if (c.has_auto_()) return "compensation    auto: by the method that the master names";
+  if (c.has_mmt())
+    return fmt::format("compensation    mmt: finds the wall, presses by at most {:g} N",
+                       c.mmt().max_contact_newton());
+  return fmt::format("compensation    damped: {:g} kg on a spring to the handle, the target",
+                     c.damped().virtual_mass_kg());
 }
 
 // What the bilateral architecture sends and takes.
 void add_channels(const proto::Scene& scene, SlaveConfig& c) {
-  c.sends_robot = channels(scene).robot_position;
+  c.sends_robot = channels(scene).robot_position || scene.has_compensation();
+  c.compensated = compensated_target(scene, c);
   if (scene.bilateral().has_force_position()) {
     const proto::ForcePosition& f = scene.bilateral().force_position();
     c.admittance = {.Ts = c.Ts,
@@ -122,10 +171,6 @@ void add_channels(const proto::Scene& scene, SlaveConfig& c) {
                     .rotation_damping = f.virtual_rotation_damping_newton_m_s(),
                     .max_speed = c.workspace.position_step / c.Ts,
                     .max_turn_rate = c.workspace.rotation_step / c.Ts};
-  }
-  if (scene.compensation().has_damped()) {
-    c.sends_robot = true;
-    c.damped = damped_target(scene, c);
   }
   if (scene.bilateral().has_force_force()) {
     const proto::ForceForce& f = scene.bilateral().force_force();
@@ -175,10 +220,7 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   if (scene.bilateral().has_force_position())
     out.push_back(fmt::format("admittance      the user's force moves {:g} kg, the target",
                               scene.bilateral().force_position().virtual_mass_kg()));
-  if (scene.compensation().has_damped())
-    out.push_back(
-        fmt::format("compensation    damped: {:g} kg on a spring to the handle, the target",
-                    scene.compensation().damped().virtual_mass_kg()));
+  if (scene.has_compensation()) out.push_back(compensation_stage(scene));
   out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}",
                             s.workspace().scale(),
                             s.workspace().rotation_lock() ? ", orientation kept" : ""));
@@ -201,7 +243,7 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
     out.push_back(
         "force_sensing   contact wrench, tool weight and bias removed, sent to the master");
   out.push_back(std::string("link            send the tool's pose") +
-                (channels(scene).robot_position || scene.compensation().has_damped()
+                (channels(scene).robot_position || scene.has_compensation()
                      ? ", also as a handle pose"
                      : ""));
   return out;

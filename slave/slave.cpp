@@ -15,7 +15,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
-  if (config.damped) damped_.emplace(*config.damped);
+  if (config.compensated) compensated_.emplace(*config.compensated);
   if (config.admittance) admittance_.emplace(*config.admittance);
   if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
 }
@@ -104,11 +104,11 @@ void Slave::follow_handle(const Peer<MasterToSlave>& master) noexcept {
     couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
     if (boundary_) boundary_->couple(tick_.q_cmd);
     if (admittance_) admittance_->stop();
-    if (damped_) damped_->start(X_MH);
+    if (compensated_) compensated_->start(X_MH);
     tick_.X_SE_target = workspace_.X_SE_target;
   }
   if (admittance_) return follow_push(in);
-  if (damped_) return follow_spring(master);
+  if (compensated_) return follow_compensated(master);
   tick_.X_SE_target = follow(config_.workspace, workspace_, X_MH, tick_.limits);
   reach();
 }
@@ -124,13 +124,17 @@ void Slave::follow_push(const MasterToSlave& in) noexcept {
   admittance_->stop();
 }
 
-// A virtual mass on a spring to the handle, which contact pushes back; it stops where the arm
-// cannot follow.
-void Slave::follow_spring(const Peer<MasterToSlave>& master) noexcept {
+// The target goes where the compensation says, and stops where the arm cannot follow.
+void Slave::follow_compensated(const Peer<MasterToSlave>& master) noexcept {
   const Pose last = tick_.X_SE_target;
-  const Pose X_MT =
-      damped_->step(as_handle(config_.workspace, workspace_, last), *master.newest, master.age,
-                    master.echo_age, reflect(config_.workspace, tick_.F_E_S));
+  const Pose X_MT = compensated_->step(
+      {.X_MT = as_handle(config_.workspace, workspace_, last),
+       .X_MR = as_handle(config_.workspace, workspace_, tick_.X_SE),
+       .V_MR = as_handle(config_.workspace, tick_.out.V_SE),
+       .F_E_M = reflect(config_.workspace, tick_.F_E_S),
+       .handle = *master.newest,
+       .age = master.age,
+       .echo_age = master.echo_age});
   workspace_.X_SE_target = last;
   tick_.X_SE_target = follow(config_.workspace, workspace_, X_MT, tick_.limits);
   reach();
@@ -184,7 +188,7 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
   if (config_.sends_robot) tell_where();
-  if (damped_) out.energies = damped_->told();
+  if (compensated_) compensated_->tell(out);
   if (boundary_)
     out.F_E_M = reflect(config_.workspace, tick_.F_E_S + boundary_->F_E_S());
   else if (force_sensing_)

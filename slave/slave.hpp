@@ -11,7 +11,7 @@
 #include "common/wire.hpp"
 #include "slave/arm.hpp"
 #include "slave/boundary.hpp"
-#include "slave/compensation/damped_target.hpp"
+#include "slave/compensation/compensated_target.hpp"
 #include "slave/force_sensing.hpp"
 #include "slave/joint_servo.hpp"
 #include "slave/robot.hpp"
@@ -36,7 +36,7 @@ struct SlaveConfig {
   bool sends_robot = false;                    // the robot's pose as a handle pose
   std::optional<AdmittanceConfig> admittance;  // the user's force moves the target
   std::optional<UserForceConfig> user_force;   // the user's force pushes the arm
-  std::optional<DampedTargetConfig> damped;    // the target is a mass on a spring to the handle
+  std::optional<CompensatedTargetConfig> compensated;  // in place of the handle's pose
 };
 
 // Everything one tick read, decided and sent; the recorder takes it whole.
@@ -85,7 +85,7 @@ class Slave {
   void move_target(const Peer<MasterToSlave>& master) noexcept;
   void follow_handle(const Peer<MasterToSlave>& master) noexcept;
   void follow_push(const MasterToSlave& in) noexcept;
-  void follow_spring(const Peer<MasterToSlave>& master) noexcept;
+  void follow_compensated(const Peer<MasterToSlave>& master) noexcept;
   void reach() noexcept;
   void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
   void answer(const MasterToSlave* in) noexcept;
@@ -100,7 +100,7 @@ class Slave {
   std::optional<ForceSensing> force_sensing_;
   std::optional<Boundary> boundary_;
   std::optional<Admittance> admittance_;
-  std::optional<DampedTarget> damped_;
+  std::optional<CompensatedTarget> compensated_;
   ModeState state_;
   bool stop_ = false;
   std::uint32_t clutch_presses_ = 0;  // of the last message seen

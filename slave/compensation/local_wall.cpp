@@ -1,6 +1,7 @@
 #include "slave/compensation/local_wall.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace farhand {
 
@@ -19,6 +20,7 @@ Vec3 WallFinder::step(const Vec3& x_wish, const Vec3& x_sd, const Vec3& x, const
   const bool misses = expected > config_.miss_expected && f < config_.miss_felt;
   missed_ = wall_.known && misses ? missed_ + config_.Ts : 0;
   if (missed_ >= config_.miss_time) wall_.known = false;
+  wall_.sure = sure();
   return hold_back(x_wish);
 }
 
@@ -32,6 +34,17 @@ void WallFinder::touch(const Vec3& x_sd, const Vec3& x, const Vec3& F_e) noexcep
   if (wall_.known && n.dot(wall_.n) > kOtherWall) return;
   estimate_.reset();
   wall_ = {.known = true, .x_w = x_sd, .n = n, .contacts = wall_.contacts};
+  settled_ = x_sd;
+}
+
+void WallFinder::forget() noexcept {
+  wall_.known = wall_.sure = in_contact_ = false;
+  missed_ = 0;
+}
+
+bool WallFinder::sure() const noexcept {
+  const double moves = (wall_.x_w - settled_).dot(wall_.n);
+  return wall_.known && estimate_.learnt() && std::abs(moves) < config_.settled_within;
 }
 
 void WallFinder::place(const Vec3& x_sd, const Vec3& F_e) noexcept {
@@ -42,6 +55,7 @@ void WallFinder::place(const Vec3& x_sd, const Vec3& F_e) noexcept {
   wall_.n = (wall_.n + share * (F_e.normalized() - wall_.n)).normalized();
   const Vec3 x_w = x_sd - F_e.dot(wall_.n) / wall_.k * wall_.n;
   wall_.x_w += share * (x_w - wall_.x_w);
+  settled_ += std::min(1.0, config_.Ts / config_.settle_time) * (wall_.x_w - settled_);
 }
 
 Vec3 WallFinder::hold_back(const Vec3& x_wish) const noexcept {

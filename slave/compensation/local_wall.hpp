@@ -27,6 +27,7 @@ struct WallFinderConfig {
   double max_force = 20;           // [N] to which the target is held back
   double place_time = 0.01;        // [s] filter of x_w and n
   double miss_expected = 0.8, miss_felt = 0.2, miss_time = 0.02;  // [N], [s]: no wall any more
+  double settle_time = 0.3, settled_within = 0.001;  // [s], [m]: a wall that stands still
   WallEstimateConfig estimate;
 };
 
@@ -36,16 +37,18 @@ class WallFinder {
       : config_(config), estimate_(config.estimate) {}
 
   // The target in place of x_wish, where the handle is thought to be. x, v: robot, measured; F_e:
-  // robot on environment; x_sd: the target of the last tick.
+  // robot on environment; x_sd: where the target is, whoever limited it since the last tick.
   Vec3 step(const Vec3& x_wish, const Vec3& x_sd, const Vec3& x, const Vec3& v,
             const Vec3& F_e) noexcept;
   const LocalWall& wall() const noexcept { return wall_; }
-  void forget() noexcept { wall_.known = false; }
+  // Places known so far mean others now.
+  void forget() noexcept;
   const WallEstimate& estimate() const noexcept { return estimate_; }
 
  private:
   void touch(const Vec3& x_sd, const Vec3& x, const Vec3& F_e) noexcept;
   void place(const Vec3& x_sd, const Vec3& F_e) noexcept;
+  bool sure() const noexcept;
   Vec3 hold_back(const Vec3& x_wish) const noexcept;
 
   WallFinderConfig config_;
@@ -53,6 +56,7 @@ class WallFinder {
   LocalWall wall_;
   bool in_contact_ = false;
   double missed_ = 0;        // [s]
+  Vec3 settled_ = Vec3::Zero();  // x_w through a slow filter
   Vec3 x_0_ = Vec3::Zero();  // where the contact began
   Vec3 x_sd_ = Vec3::Zero();
 };

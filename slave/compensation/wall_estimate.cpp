@@ -30,13 +30,17 @@ void WallEstimate::step(double x, double v, double F) noexcept {
     if (over > 1) P_ /= over;
     ++learnt_;
   }
-  if (learnt_ < kFirstWords) return;
+  if (!learnt()) return;
   const double k = std::clamp(theta_[0], config_.least, config_.most);
   k_ += std::min(1.0, config_.Ts / (k > k_ ? config_.rise : config_.fall)) * (k - k_);
 }
 
+bool WallEstimate::learnt() const noexcept {
+  return learnt_ >= kFirstWords;
+}
+
 double WallEstimate::b() const noexcept {
-  return learnt_ < kFirstWords ? 0 : std::clamp(theta_[2], 0.0, config_.most_damping);
+  return !learnt() ? 0 : std::clamp(theta_[2], 0.0, config_.most_damping);
 }
 
 }  // namespace farhand

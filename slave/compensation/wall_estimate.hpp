@@ -29,6 +29,7 @@ class WallEstimate {
   void step(double x, double v, double F) noexcept;
   double k() const noexcept { return k_; }
   double b() const noexcept;
+  bool learnt() const noexcept;  // from motion, and not only what it began with
 
  private:
   WallEstimateConfig config_;

@@ -35,8 +35,14 @@ TEST(MethodChooser, DoesNotGoBackAndForthAtTheLimit) {
 TEST(MethodChooser, WaitsUntilLittleIsFelt) {
   MethodChooser c({});
   after(c, 0, 0.002, false, 0);
-  EXPECT_EQ(after(c, 1, 0.100, false, 3).method, Method::direct);
-  EXPECT_EQ(after(c, 0, 0.100, false, 0.4).method, Method::damped);
+  EXPECT_EQ(after(c, 1, 0.008, false, 3).method, Method::direct);
+  EXPECT_EQ(after(c, 0, 0.008, false, 0.4).method, Method::damped);
+}
+
+TEST(MethodChooser, LeavesDirectFeedbackAtOnceWhereItWouldRing) {
+  MethodChooser c({});
+  after(c, 0, 0.002, false, 0);
+  EXPECT_EQ(after(c, 0, 0.0101, false, 3).method, Method::damped);
 }
 
 TEST(MethodBlend, ChangesAForceWithoutAJump) {

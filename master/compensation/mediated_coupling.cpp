@@ -1,0 +1,35 @@
+#include "master/compensation/mediated_coupling.hpp"
+
+#include "common/limits.hpp"
+
+namespace farhand {
+
+MediatedCoupling::MediatedCoupling(const MediatedCouplingConfig& c) noexcept
+    : renderer_(c.renderer), tank_(c.tank), max_force_(c.max_force), Ts_(c.renderer.Ts) {
+  if (c.rotation) rotation_.emplace(*c.rotation);
+}
+
+Wrench MediatedCoupling::step(const CouplingInputs& in) noexcept {
+  const double share = fade_in_.step(in.share, Ts_);
+  const Vec3& p_MH = in.handle.X_MH.p;
+  const LocalWall& wall = in.robot.wall;
+  const double out_share = tank_.step(F_M_, p_MH, wall.net, wall.contacts);
+  const Vec3 F_M = renderer_.step(p_MH, in.V_MH.linear, wall, out_share);
+  F_M_ = share * clamp_norm(F_M, max_force_);
+  Wrench F_G{.force = in.handle.R_MG.transpose() * F_M_};
+  if (rotation_) F_G.torque = rotation_->step(in, share);
+  return F_G;
+}
+
+void MediatedCoupling::let_go() noexcept {
+  F_M_.setZero();
+  renderer_.forget();
+  if (rotation_) rotation_->let_go();
+}
+
+void MediatedCoupling::tell(MasterToSlave& out) const noexcept {
+  out.method = Method::mmt;
+  out.energies = {0, rotation_ ? rotation_->told() : 0};
+}
+
+}  // namespace farhand
