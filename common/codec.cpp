@@ -10,7 +10,7 @@ namespace {
 
 // A longer payload is not worth parsing.
 constexpr std::size_t kLongestMessageBytes =
-    std::max(kMasterToSlaveBytes + kUserWrenchBytes, kSlaveToMasterBytes + kRobotBytes + kWallBytes);
+    std::max(kMasterToSlaveBytes + kUserWrenchBytes + kFeltBytes, kSlaveToMasterBytes + kRobotBytes + kWallBytes);
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -123,6 +123,7 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   to.set_rotation_energy_joule(from.energies.rotation);
   put_if(from.has_user_wrench, from.F_user_M.force, to.mutable_user_force_in_master_newton());
   put_if(from.has_user_wrench, from.F_user_M.torque, to.mutable_user_torque_in_master_newton_m());
+  put_if(from.has_felt, from.F_felt_M, to.mutable_felt_force_in_master_newton());
 }
 
 bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
@@ -144,7 +145,9 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
   to.energies.translation = from.translation_energy_joule();
   to.energies.rotation = from.rotation_energy_joule();
   to.has_user_wrench = from.user_force_in_master_newton_size() > 0;
-  return get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
+  to.has_felt = from.felt_force_in_master_newton_size() > 0;
+  return get_if(to.has_felt, from.felt_force_in_master_newton(), to.F_felt_M) &&
+         get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
          get_if(to.has_user_wrench, from.user_torque_in_master_newton_m(), to.F_user_M.torque);
 }
 
@@ -228,7 +231,7 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
 }
 
 std::size_t size_of(const MasterToSlave& m) noexcept {
-  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0);
+  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) + (m.has_felt ? kFeltBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) noexcept {
   return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
@@ -288,7 +291,8 @@ bool valid(const LocalWall& w) noexcept {
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
          in_range(m.reason) && in_range(m.method) && std::isfinite(m.energies.translation) &&
-         std::isfinite(m.energies.rotation) && finite(m.F_user_M);
+         std::isfinite(m.energies.rotation) && finite(m.F_user_M) &&
+         m.F_felt_M.allFinite();
 }
 
 bool valid(const SlaveToMaster& m) noexcept {
@@ -314,7 +318,7 @@ struct Codec::Messages {
 Codec::Codec() : messages_(std::make_unique<Messages>()) {
   std::array<std::byte, kMaxPayloadBytes> payload{};
   Header header{.session = 1, .sequence = 1};
-  MasterToSlave down{.has_user_wrench = true};
+  MasterToSlave down{.has_user_wrench = true, .has_felt = true};
   SlaveToMaster up{.has_robot = true, .has_wall = true};
   decode(std::span(payload).first(encode(header, down, payload)), header, down);
   decode(std::span(payload).first(encode(header, up, payload)), header, up);

@@ -31,6 +31,7 @@ inline constexpr std::size_t kMasterToSlaveBytes = 220;
 inline constexpr std::size_t kSlaveToMasterBytes = 269;
 // More with what only some bilateral architectures and compensations send.
 inline constexpr std::size_t kUserWrenchBytes = 52;
+inline constexpr std::size_t kFeltBytes = 27;
 inline constexpr std::size_t kRobotBytes = 116;
 inline constexpr std::size_t kWallBytes = 91;
 
@@ -81,6 +82,8 @@ struct MasterToSlave {
   PortEnergies energies;  // of the master's port; 0 without a compensation that guards it
   bool has_user_wrench = false;
   Wrench F_user_M;  // user on handle at H, M axes
+  bool has_felt = false;
+  Vec3 F_felt_M = Vec3::Zero();  // handle on what it is coupled to, M axes [N]
 };
 
 struct SlaveToMaster {

@@ -7,7 +7,8 @@ ChosenCoupling::ChosenCoupling(const ChosenCouplingConfig& c) noexcept
       delay_(c.delay),
       chooser_(c.choice),
       damped_(c.damped),
-      mediated_(c.mediated) {
+      mediated_(c.mediated),
+      tank_(c.mediated.tank) {
   if (c.rotation) rotation_.emplace(*c.rotation);
 }
 
@@ -23,7 +24,13 @@ Wrench ChosenCoupling::step(const CouplingInputs& in) noexcept {
 
 void ChosenCoupling::choose(const CouplingInputs& in) noexcept {
   const Method before = choice_.method;
-  choice_ = chooser_.step(delay_.step(in.echo_age), in.robot.wall.sure, F_M_.norm(), Ts_);
+  const LocalWall& wall = in.robot.wall;
+  choice_ = chooser_.step({.rtt = delay_.step(in.echo_age),
+                           .sure = wall.sure,
+                           .stiffness = wall.sure ? wall.k : 0,
+                           .felt = F_M_.norm(),
+                           .ringing = ringing_},
+                          Ts_);
   if (choice_.method == before) return;
   blend_.start(F_M_);
   damped_.change_over();
@@ -35,14 +42,26 @@ Wrench ChosenCoupling::force(const CouplingInputs& in) noexcept {
     case Method::mmt:
       return mediated_.step(in);
     case Method::direct:
-      return {.force = in.share * (in.handle.R_MG.transpose() * in.robot.F_E_M.force)};
+      return direct(in);
     default:
       return damped_.step(in);
   }
 }
 
+// The contact force as it comes; what drives the hand must have been put in.
+Wrench ChosenCoupling::direct(const CouplingInputs& in) noexcept {
+  const LocalWall& wall = in.robot.wall;
+  const double allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
+  ringing_ = allowed < 1;
+  Vec3 F_M = in.share * in.robot.F_E_M.force;
+  if (F_M.dot(in.V_MH.linear) < 0) F_M *= allowed;
+  return {.force = in.handle.R_MG.transpose() * F_M};
+}
+
 void ChosenCoupling::let_go() noexcept {
   F_M_.setZero();
+  ringing_ = false;
+  chooser_.forget();
   blend_ = {};
   damped_.let_go();
   mediated_.let_go();
@@ -53,6 +72,8 @@ void ChosenCoupling::tell(MasterToSlave& out) const noexcept {
   damped_.tell(out);
   if (rotation_) out.energies.rotation = rotation_->told();
   out.method = choice_.method;
+  out.has_felt = true;
+  out.F_felt_M = F_M_;
 }
 
 }  // namespace farhand

@@ -1,5 +1,6 @@
 // `auto` at the handle: the method is chosen by delay and by what the slave knows
 // (common/method_choice.hpp), told to the slave, and taken up without a jump of the force.
+// Direct feedback is under an operator's tank of its own, which also tells when it rings.
 // Translation alone changes its method; rotation is P+d with all of them.
 #pragma once
 
@@ -36,6 +37,7 @@ class ChosenCoupling {
  private:
   void choose(const CouplingInputs& in) noexcept;
   Wrench force(const CouplingInputs& in) noexcept;
+  Wrench direct(const CouplingInputs& in) noexcept;
 
   double Ts_;
   EchoDelay delay_;
@@ -44,6 +46,8 @@ class ChosenCoupling {
   MethodBlend blend_;
   DampedCoupling damped_;
   MediatedCoupling mediated_;
+  OperatorTank tank_;  // of direct feedback
+  bool ringing_ = false;
   FadeIn fade_in_;
   std::optional<DampedRotation> rotation_;
   Vec3 F_M_ = Vec3::Zero();  // of the last tick

@@ -29,6 +29,8 @@ void MediatedCoupling::let_go() noexcept {
 
 void MediatedCoupling::tell(MasterToSlave& out) const noexcept {
   out.method = Method::mmt;
+  out.has_felt = true;
+  out.F_felt_M = F_M_;
   out.energies = {0, rotation_ ? rotation_->told() : 0};
 }
 

@@ -8,8 +8,9 @@ namespace farhand {
 namespace {
 
 const MethodChoice& after(MethodChooser& c, double seconds, double rtt, bool sure, double felt) {
-  for (double t = 0; t < seconds; t += 0.001) c.step(rtt, sure, felt, 0.001);
-  return c.step(rtt, sure, felt, 0.001);
+  const MethodEvidence e{.rtt = rtt, .sure = sure, .felt = felt};
+  for (double t = 0; t < seconds; t += 0.001) c.step(e, 0.001);
+  return c.step(e, 0.001);
 }
 
 TEST(MethodChooser, GoesByDelayAndByWhatIsKnown) {
@@ -43,6 +44,21 @@ TEST(MethodChooser, LeavesDirectFeedbackAtOnceWhereItWouldRing) {
   MethodChooser c({});
   after(c, 0, 0.002, false, 0);
   EXPECT_EQ(after(c, 0, 0.0101, false, 3).method, Method::damped);
+}
+
+TEST(MethodChooser, LeavesDirectFeedbackThatRingsUntilUncoupled) {
+  MethodChooser c({});
+  after(c, 0, 0.002, false, 0);
+  EXPECT_EQ(c.step({.rtt = 0.002, .felt = 3, .ringing = true}, 0.001).method, Method::damped);
+  EXPECT_EQ(after(c, 1, 0.002, false, 0).method, Method::damped);
+  c.forget();
+  EXPECT_EQ(after(c, 0, 0.002, false, 0).method, Method::direct);
+}
+
+TEST(MethodChooser, KnowsThatAStifferWallBearsLessDelay) {
+  MethodChooser c({.device_damping = 10, .stiffest = 1000});
+  EXPECT_EQ(c.step({.rtt = 0.002, .stiffness = 3000}, 0.001).method, Method::damped);
+  EXPECT_EQ(c.step({.rtt = 0.002, .stiffness = 300}, 0.001).method, Method::direct);
 }
 
 TEST(MethodBlend, ChangesAForceWithoutAJump) {

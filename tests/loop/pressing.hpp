@@ -13,8 +13,10 @@
 
 namespace farhand {
 
-// wall [N/m]; into it the hand wants to go by 30 mm.
-inline Scene pressing_over(double rtt_ms, double wall) {
+inline constexpr double kPress = 6;  // [s] after free motion along the wall
+
+// wall [N/m]; into it the hand wants to go by 30 mm. Before, it moves along it, or waits.
+inline Scene pressing_over(double rtt_ms, double wall, bool moves_before = true) {
   Scene scene = shipped("twin_delta_far");
   proto::Link& link = *scene.proto.mutable_link();
   link.set_stale_ms(300);
@@ -28,7 +30,12 @@ inline Scene pressing_over(double rtt_ms, double wall) {
   o.clear_press();
   press(o, proto::Press::DEAD_MAN, 1, 100);
   o.mutable_motion()->Clear();
-  reach(*o.mutable_motion(), 2, 1.5, Vec3(-0.06, 0, 0));  // pressed and held
+  if (moves_before) {
+    proto::Sine& s = *o.mutable_motion()->add_sine();
+    s.set_from_s(1.5), s.set_until_s(kPress - 0.5), s.set_frequency_hz(0.5);
+    for (const double a : {0., 0.025, 0.}) s.add_amplitude_m(a);
+  }
+  reach(*o.mutable_motion(), kPress, 1.5, Vec3(-0.06, 0, 0));  // pressed and held
   return scene;
 }
 
@@ -55,7 +62,7 @@ struct Pressing {
 };
 
 inline Pressing pressed(const Scene& scene, double seconds_held) {
-  Loopback loop(scene, {.duration_s = 4 + seconds_held});
+  Loopback loop(scene, {.duration_s = kPress + 2 + seconds_held});
   Checkers checkers(loop);
   Pressing out;
   double speed2 = 0, force = 0, depth = 0, drag = 0, energy = 0;
@@ -71,12 +78,12 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
     checkers.check(t);
     const double at = seconds(t.now - loop.start());
     const Vec3& p = t.handle.X_MH.p;
-    if (!free && at > 1.5) free = p.x();
+    if (!free && at > kPress - 0.1) free = p.x();
     if (last) energy -= F_last.dot(p - *last);
     last = p, F_last = t.handle.R_MG * t.F_G.force;
     out.operator_energy = std::min(out.operator_energy, energy);
-    if (at > 2.3 && at < 2.6) drag += t.F_G.force.norm(), ++moving;  // before the wall
-    if (at < 3 + seconds_held) return;
+    if (at > 2.5 && at < kPress - 1) drag += t.F_G.force.norm(), ++moving;  // before the wall
+    if (at < kPress + 1 + seconds_held) return;
     speed2 += t.out.V_MH.linear.squaredNorm();
     force += t.F_G.force.norm();
     depth += *free - 0.03 - p.x();

@@ -60,6 +60,8 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.method = static_cast<Method>(random.bits() % kMethods);
   m.energies.translation = random.normal();
   m.energies.rotation = random.normal();
+  m.has_felt = random_bool(random);
+  m.F_felt_M = m.has_felt ? random_vector(random) : Vec3::Zero();
   m.has_user_wrench = random_bool(random);
   m.F_user_M = {};
   if (!m.has_user_wrench) return;
@@ -105,7 +107,7 @@ inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
          a.method == b.method &&
          a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_user_wrench == b.has_user_wrench &&
-         a.F_user_M.force == b.F_user_M.force && a.F_user_M.torque == b.F_user_M.torque;
+         a.F_user_M.force == b.F_user_M.force && a.has_felt == b.has_felt && a.F_felt_M == b.F_felt_M && a.F_user_M.torque == b.F_user_M.torque;
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
