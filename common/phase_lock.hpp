@@ -25,6 +25,7 @@ class PhaseLock {
   PhaseLock(Duration period, TimePoint start) noexcept
       : period_(period), window_(period / 4), expected_(start) {}
 
+  TimePoint expected() const noexcept { return expected_; }
   TimePoint earliest() const noexcept { return expected_ - window_; }
   TimePoint deadline() const noexcept { return expected_ + window_; }
 

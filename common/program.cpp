@@ -8,7 +8,7 @@
 
 #include "common/address.hpp"
 #include "common/arguments.hpp"
-#include "common/realtime.hpp"
+#include "common/scene_realtime.hpp"
 
 namespace farhand {
 namespace {
@@ -108,6 +108,14 @@ std::unique_ptr<SecureService> make_secure(const Scene& scene,
 
 std::string with_key(const SecureService* secure) {
   return secure == nullptr ? "" : ", key " + secure->key_name();
+}
+
+void start_realtime(const proto::Realtime& realtime, bool real_device) {
+  const RealtimeConfig config = realtime_config(realtime);
+  const auto refused = enter_realtime(config, kLoopPriority);
+  warn_each(refused);
+  if (const auto why = degraded_refusal(real_device, refused, config.allow_degraded))
+    throw std::runtime_error(*why);
 }
 
 void announce(const Scene& scene, const std::string& where) {

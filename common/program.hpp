@@ -67,6 +67,10 @@ std::unique_ptr<SecureService> make_secure(const Scene& scene,
 // ", key 01234567", or nothing.
 std::string with_key(const SecureService* secure);
 
+// The calling thread becomes the loop's, as the scene's words about this side's machine say. What
+// was refused is warned of; for a real device it throws a sentence unless the scene allows it.
+void start_realtime(const proto::Realtime& realtime, bool real_device);
+
 // Start-up line and warnings, on stderr.
 void announce(const Scene& scene, const std::string& where);
 void warn_each(const std::vector<std::string>& sentences);

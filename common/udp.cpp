@@ -210,6 +210,13 @@ bool UdpSocket::wait_readable(TimePoint deadline) noexcept {
   return poll_until(std::span(&fd, 1), deadline);
 }
 
+bool UdpSocket::spin_readable(TimePoint deadline) noexcept {
+  constexpr TimePoint kAtOnce{};
+  while (!wait_readable(kAtOnce))
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+  return true;
+}
+
 bool UdpSocket::wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept {
   std::array<pollfd, 2> fds{
       pollfd{.fd = a.state_->socket.native_handle(), .events = POLLIN, .revents = 0},

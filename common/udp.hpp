@@ -76,6 +76,9 @@ class UdpSocket {
   // refusal by the peer's host also wakes it; receive then gives nothing.
   bool wait_readable(TimePoint deadline) noexcept;
 
+  // The same without sleeping: asks again and again, and keeps the processor busy.
+  bool spin_readable(TimePoint deadline) noexcept;
+
   // The same for either of two.
   static bool wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept;
 
