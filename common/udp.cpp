@@ -139,6 +139,14 @@ const UdpCounters& UdpSocket::counters() const noexcept {
   return state_->counters;
 }
 
+// The library's own option gives half of what the kernel counts.
+std::size_t UdpSocket::receive_buffer() const noexcept {
+  int size = 0;
+  socklen_t length = sizeof size;
+  getsockopt(state_->socket.native_handle(), SOL_SOCKET, SO_RCVBUF, &size, &length);
+  return static_cast<std::size_t>(size);
+}
+
 void UdpSocket::set_peer(const UdpAddress& peer) noexcept {
   if (state_->fixed) return;
   state_->peer = peer;

@@ -82,6 +82,7 @@ class UdpSocket {
   // The same for either of two.
   static bool wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept;
 
+  std::size_t receive_buffer() const noexcept;  // bytes, as the kernel counts them; 0: unknown
   const UdpCounters& counters() const noexcept;
 
  private:
