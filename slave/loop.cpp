@@ -48,7 +48,7 @@ void SlaveLoop::turn() noexcept {
   timing.compute = decided - sampled;
   timing.write = written - decided;
   timing.link = end - written;
-  phase_.ticked(begin, arrival);
+  phase_.ticked(end, arrival);
   finish(planned, begin, end);
 }
 
