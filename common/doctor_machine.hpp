@@ -27,7 +27,7 @@ Finding governor(const std::filesystem::path& root, const Processors& used);
 Finding processors(const std::filesystem::path& root, const Processors& allowed,
                    std::optional<int> cpu, int error);
 
-// A program needs about kMemoryMiB; locked, none of it can be swapped out.
+// Twice what a side of twin_delta_contact holds; locked, none of it can be swapped out.
 inline constexpr std::uint64_t kMemoryMiB = 64;
 Finding memory(const std::filesystem::path& root);
 
