@@ -47,8 +47,8 @@ std::optional<std::string> hypervisor(const std::filesystem::path& root) {
 std::optional<std::string> first_line(const std::filesystem::path& file) {
   std::ifstream in(file);
   std::string line;
-  if (!std::getline(in, line) && !in.eof()) return {};
-  if (!in.is_open()) return {};
+  std::getline(in, line);
+  if (!in.is_open() || in.bad()) return {};
   return line;
 }
 
@@ -56,14 +56,13 @@ Finding clock_source(const std::filesystem::path& root) {
   const auto name =
       first_line(root / "sys/devices/system/clocksource/clocksource0/current_clocksource");
   if (!name) return {Level::ok, "clock", kNotVisible};
-  constexpr std::array kGood = {"tsc", "kvm-clock", "arch_sys_counter",
-                                "hyperv_clocksource_tsc_page"};
-  if (std::find(kGood.begin(), kGood.end(), *name) != kGood.end())
+  constexpr std::array kSlow = {"hpet", "acpi_pm", "pit", "jiffies", "refined-jiffies"};
+  if (std::find(kSlow.begin(), kSlow.end(), *name) == kSlow.end())
     return {Level::ok, "clock", *name};
   return {Level::warning, "clock",
           *name +
-              " may be slow to read: boot with clocksource=tsc tsc=reliable, if the kernel's log "
-              "does not say that the tsc is unstable"};
+              " is slow or coarse to read: boot with clocksource=tsc tsc=reliable, if the kernel's "
+              "log does not say that the tsc is unstable"};
 }
 
 Finding throttling(const std::filesystem::path& root, double share) {

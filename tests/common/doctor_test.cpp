@@ -62,7 +62,7 @@ TEST_F(DoctorMachine, ClockIsGoodInTheProcessorAndSlowInAChip) {
   }
   for (const std::string bad : {"hpet", "acpi_pm", "jiffies"}) {
     put(file, bad + "\n");
-    expect(clock_source(root_), Level::warning, bad + " may be slow to read: boot with");
+    expect(clock_source(root_), Level::warning, bad + " is slow or coarse to read: boot with");
   }
 }
 

@@ -143,9 +143,31 @@ TEST_F(Spin, DoesNotBeginAfterASignal) {
   EXPECT_EQ(virtual_clock.readings, 0);
 }
 
-// A round of a spin reads the clock twice, so takes 2 us here.
+// A round of a spin reads the clock twice, so takes 2 us here. The few rounds more or less a turn
+// are where it begins and ends.
+constexpr int kTurns = 100;
+constexpr microseconds kRound(2);
+
+TEST_F(Spin, OfTheMasterBeginsWithTheWaitForTheAnswer) {
+  const Scene scene = scene_of("minimal.textproto");
+  UdpSocket slave(parse_udp_address("127.0.0.1:0"));  // never answers
+  UdpSocket socket(parse_udp_address("127.0.0.1:0"), slave.local());
+  const auto polls = [&](Duration spin) {
+    Master master(master_config(scene.proto));
+    AnyDevice device = make_device(scene, {}, 1);
+    MasterLink link({.session = 1, .scene_hash = scene.shared_hash});
+    Recorder<MasterRecord> recorder([](const MasterRecord&) {});
+    MasterLoop loop({.period = kPeriod, .spin = spin}, master, device, &link, &socket, recorder);
+    virtual_clock.now = Duration::zero();  // where a loop that nobody runs begins
+    virtual_clock.polls_at_once = 0;
+    for (int i = 0; i < kTurns; ++i) loop.turn();
+    return virtual_clock.polls_at_once;
+  };
+  const int without = polls(Duration::zero());
+  EXPECT_NEAR(polls(kSpin) - without, kTurns * (kSpin / kRound), 3 * kTurns);
+}
+
 TEST_F(Spin, OfTheSlaveIsAsLongBeforeTheExpectedMessageAsAfterIt) {
-  constexpr int kTurns = 100, kRounds = 2 * kSpin / microseconds(2);
   const auto polls = [](Duration spin) {
     LoneSlave side(spin);
     virtual_clock.polls_at_once = 0;
@@ -155,7 +177,7 @@ TEST_F(Spin, OfTheSlaveIsAsLongBeforeTheExpectedMessageAsAfterIt) {
     return virtual_clock.polls_at_once;
   };
   const int without = polls(Duration::zero());
-  EXPECT_NEAR(polls(kSpin) - without, kTurns * kRounds, 3 * kTurns);
+  EXPECT_NEAR(polls(kSpin) - without, kTurns * (2 * kSpin / kRound), 3 * kTurns);
 }
 
 }  // namespace
