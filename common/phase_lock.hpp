@@ -25,6 +25,7 @@ class PhaseLock {
   PhaseLock(Duration period, TimePoint start) noexcept
       : period_(period), window_(period / 4), expected_(start) {}
 
+  TimePoint expected() const noexcept { return expected_; }
   TimePoint earliest() const noexcept { return expected_ - window_; }
   TimePoint deadline() const noexcept { return expected_ + window_; }
 
@@ -34,8 +35,8 @@ class PhaseLock {
     return own ? std::clamp(*arrival, earliest(), deadline()) : deadline();
   }
 
-  // A tick ran at `now` and used the message that arrived at `arrival`, if there was one. Ticks
-  // that a stalled machine missed are skipped and counted, not made up.
+  // A tick ended at `now` and used the message that arrived at `arrival`, if there was one. Ticks
+  // that it outlasted are skipped and counted, not made up.
   void ticked(TimePoint now, std::optional<TimePoint> arrival) noexcept {
     if (arrival) expected_ += std::clamp(from_nearest(*arrival), -window_, window_) / kGain;
     expected_ += period_;

@@ -8,7 +8,8 @@
 
 #include "common/address.hpp"
 #include "common/arguments.hpp"
-#include "common/realtime.hpp"
+#include "common/doctor.hpp"
+#include "common/scene_realtime.hpp"
 
 namespace farhand {
 namespace {
@@ -17,6 +18,9 @@ void add_options(Arguments& arguments, ProgramOptions& options, bool is_master) 
   arguments.option("scene", options.scene, "scene file, see deploy/scenes");
   arguments.flag("--plan", options.plan, "print the stages this scene runs, in order, and exit");
   arguments.flag("--check", options.check, "check the scene and exit");
+  arguments.flag(
+      "--doctor", options.doctor,
+      "tell whether this machine is fit to run the scene, and what to do where it is not");
   arguments.flag("--quiet", options.quiet, "no live status line");
   arguments.duration(options.duration_s, "stop after so many seconds");
   arguments.option("--record", options.record, "record every tick into this MCAP file");
@@ -45,11 +49,14 @@ int run_program(int argc, char** argv, const std::string& name, const std::strin
                 const std::function<int(const ProgramOptions&)>& body) {
   Arguments arguments(description, name);
   ProgramOptions options;
-  add_options(arguments, options, name == "farhand-master");
+  const bool is_master = name == "farhand-master";
+  add_options(arguments, options, is_master);
   const auto missing = [&] { return options.scene.empty() ? "scene" : ""; };
   if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   catch_stop_signals();
-  return run_guarded(name, [&] { return body(options); });
+  const std::string side = is_master ? "master" : "slave";
+  return run_guarded(name,
+                     [&] { return options.doctor ? doctor::run(side, options) : body(options); });
 }
 
 bool print_only(const ProgramOptions& options, const Scene& scene, const Stages& stages) {
@@ -92,13 +99,16 @@ UdpAddress link_address(const std::optional<std::string>& flag, const std::strin
   return parse_udp_address(text);
 }
 
+std::filesystem::path key_path(const Scene& scene) {
+  return std::filesystem::path(scene.path).parent_path() / scene.proto.link().key_file();
+}
+
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
                                            const std::optional<UdpAddress>& server) {
   const auto& link = scene.proto.link();
   if (link.has_key_file())
-    return std::make_unique<SecureService>(
-        SecureChannelConfig{.server = server},
-        load_key(std::filesystem::path(scene.path).parent_path() / link.key_file()));
+    return std::make_unique<SecureService>(SecureChannelConfig{.server = server},
+                                           load_key(key_path(scene)));
   if (link.insecure())
     spdlog::warn(
         "the link is insecure: whoever reaches its port can move the robot; make a key with "
@@ -108,6 +118,14 @@ std::unique_ptr<SecureService> make_secure(const Scene& scene,
 
 std::string with_key(const SecureService* secure) {
   return secure == nullptr ? "" : ", key " + secure->key_name();
+}
+
+void start_realtime(const proto::Realtime& realtime, bool real_device) {
+  const RealtimeConfig config = realtime_config(realtime);
+  const auto refused = enter_realtime(config, kLoopPriority);
+  warn_each(refused);
+  if (const auto why = degraded_refusal(real_device, refused, config.allow_degraded))
+    throw std::runtime_error(*why);
 }
 
 void announce(const Scene& scene, const std::string& where) {

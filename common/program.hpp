@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -23,6 +24,7 @@ struct ProgramOptions {
   std::string scene;
   bool plan = false;
   bool check = false;
+  bool doctor = false;
   bool quiet = false;                 // no live status line
   double duration_s = 0;              // 0: until stopped
   std::optional<std::string> listen;  // host:port instead of the scene's
@@ -35,8 +37,9 @@ struct ProgramOptions {
   }
 };
 
-// Parses the arguments, runs `body`, and turns what it throws into one line on stderr. Exit status:
-// what body returns, 1 after an error, 2 for arguments that make no sense.
+// Parses the arguments, runs `body`, or the doctor if it was asked for, and turns what it throws
+// into one line on stderr. Exit status: what body returns, 1 after an error, 2 for arguments that
+// make no sense.
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
                 const std::function<int(const ProgramOptions&)>& body);
 
@@ -59,6 +62,9 @@ void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
                         const Scene& scene);
 
+// The scene's key file, which it names beside itself.
+std::filesystem::path key_path(const Scene& scene);
+
 // The secure channel of a scene that names a key file, of the client of `server` or of a server;
 // nullptr for any other, with a warning if it says insecure. Throws as load_key does.
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
@@ -66,6 +72,10 @@ std::unique_ptr<SecureService> make_secure(const Scene& scene,
 
 // ", key 01234567", or nothing.
 std::string with_key(const SecureService* secure);
+
+// The calling thread becomes the loop's, as the scene's words about this side's machine say. What
+// was refused is warned of; for a real device it throws a sentence unless the scene allows it.
+void start_realtime(const proto::Realtime& realtime, bool real_device);
 
 // Start-up line and warnings, on stderr.
 void announce(const Scene& scene, const std::string& where);

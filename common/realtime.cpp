@@ -10,6 +10,8 @@
 #include <csignal>
 #include <cstring>
 
+#include "common/processors.hpp"
+
 namespace farhand {
 namespace {
 
@@ -37,25 +39,52 @@ TimePoint monotonic_now() noexcept {
   return TimePoint(to_duration(t));
 }
 
-void sleep_until(TimePoint until) noexcept {
-  const auto since = until.time_since_epoch();
+void sleep_until(TimePoint until, Duration spin) noexcept {
+  const auto since = (until - spin).time_since_epoch();
   const auto whole = std::chrono::duration_cast<std::chrono::seconds>(since);
   const timespec t{.tv_sec = whole.count(), .tv_nsec = (since - whole).count()};
-  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
+  if (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) != 0) return;
+  if (spin > Duration::zero())
+    while (monotonic_now() < until) {
+    }
 }
 
-std::vector<std::string> enter_realtime(int priority) {
-  std::vector<std::string> refused;
-  if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0)
-    refused.push_back(
-        std::string("memory is not locked (") + std::strerror(errno) +
-        "): page faults may delay ticks; raise the memlock limit or run with CAP_IPC_LOCK");
+int lock_memory() noexcept {
+  return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
+}
+
+int schedule_fifo(int priority) noexcept {
   const sched_param param{.sched_priority = priority};
-  if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &param); error != 0)
-    refused.push_back(
-        std::string("no real-time scheduling (") + std::strerror(error) +
-        "): other programs may delay ticks; raise the rtprio limit or run with CAP_SYS_NICE");
+  return pthread_setschedparam(pthread_self(), SCHED_FIFO, &param);
+}
+
+std::string memory_refusal(int error) {
+  return std::string("memory is not locked (") + std::strerror(error) +
+         "): page faults may delay ticks; raise the memlock limit or run with CAP_IPC_LOCK";
+}
+
+std::string scheduling_refusal(int error) {
+  return std::string("no real-time scheduling (") + std::strerror(error) +
+         "): other programs may delay ticks; raise the rtprio limit or run with CAP_SYS_NICE";
+}
+
+std::vector<std::string> enter_realtime(const RealtimeConfig& config, int priority) {
+  std::vector<std::string> refused;
+  if (config.cpu)
+    if (const int error = run_on({*config.cpu}); error != 0)
+      refused.push_back(processor_refusal(*config.cpu, error));
+  if (const int error = lock_memory(); error != 0) refused.push_back(memory_refusal(error));
+  if (const int error = schedule_fifo(priority); error != 0)
+    refused.push_back(scheduling_refusal(error));
   return refused;
+}
+
+std::optional<std::string> degraded_refusal(bool real_device,
+                                            const std::vector<std::string>& refused,
+                                            bool allow_degraded) {
+  if (!real_device || refused.empty() || allow_degraded) return {};
+  return "the device stays off, for " + refused.front() +
+         "; or say realtime { allow_degraded: true } in the scene";
 }
 
 void catch_stop_signals() noexcept {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,33 @@
 namespace farhand {
 
 TimePoint monotonic_now() noexcept;
-// Returns at once when `until` has passed. Interrupted by a signal, returns early.
-void sleep_until(TimePoint until) noexcept;
+// Returns at once when `until` has passed. Interrupted by a signal, returns early. The last `spin`
+// of it the clock is watched instead, at the price of the processor: no wake-up can be late then.
+void sleep_until(TimePoint until, Duration spin = {}) noexcept;
 
-// Memory locked, SCHED_FIFO at `priority` for the calling thread. What was refused comes back as
-// sentences with the remedy: the program goes on without, at the price of jitter.
-std::vector<std::string> enter_realtime(int priority);
+struct RealtimeConfig {
+  std::optional<int> cpu;       // the loop's thread runs there only
+  Duration spin{};              // of each sleep and of each wait for a datagram
+  bool allow_degraded = false;  // real hardware runs although something was refused
+};
+
+// 0 or an errno.
+int lock_memory() noexcept;
+int schedule_fifo(int priority) noexcept;  // the calling thread
+
+// A sentence with the remedy for their errors.
+std::string memory_refusal(int error);
+std::string scheduling_refusal(int error);
+
+// The calling thread becomes the loop's: on its processor, memory locked, SCHED_FIFO at `priority`.
+// What was refused comes back as sentences with the remedy: the price of going on is jitter.
+std::vector<std::string> enter_realtime(const RealtimeConfig& config, int priority);
+
+// Why a device must not be enabled, with the remedy, or nothing: real hardware wants all that
+// enter_realtime asks for, unless the scene allows degraded running.
+std::optional<std::string> degraded_refusal(bool real_device,
+                                            const std::vector<std::string>& refused,
+                                            bool allow_degraded);
 
 // SIGINT and SIGTERM ask for an orderly end instead of killing the process; a file that may not
 // grow, or a pipe without a reader, does not end it either.

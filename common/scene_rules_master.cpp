@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <numbers>
 
 #include "common/geometry.hpp"
@@ -30,6 +31,19 @@ void scene_rules(Rules& r) {
   rule<Scene>(
       r, "link", [](const Scene& s) { return s.has_link() && !s.has_slave(); },
       "leads nowhere without a slave", "remove it");
+}
+
+// Of either side. Two spins a period then leave half of it to others.
+void realtime_rules(Rules& r) {
+  using R = proto::Realtime;
+  constexpr std::uint64_t kLargest = 1023;
+  rule<R>(
+      r, "cpu", [](const R& t) { return t.cpu() > kLargest; }, "is more than any machine has",
+      "give one of those that nproc counts, from 0");
+  rule<R>(
+      r, "spin_us", [](const Scene& s, const R& t) { return 4 * t.spin_us() * s.rate_hz() > 1e6; },
+      "is more than a quarter of the tick period, 1e6 / rate_hz",
+      "lower it, or lower the scene's rate_hz");
 }
 
 void master_rules(Rules& r) {
@@ -325,6 +339,7 @@ void motion_rules(Rules& r) {
 
 void add_master_rules(SceneRules& rules) {
   scene_rules(rules);
+  realtime_rules(rules);
   master_rules(rules);
   guidance_rules(rules);
   force_control_rules(rules);

@@ -139,6 +139,14 @@ const UdpCounters& UdpSocket::counters() const noexcept {
   return state_->counters;
 }
 
+// The library's own option gives half of what the kernel counts.
+std::size_t UdpSocket::receive_buffer() const noexcept {
+  int size = 0;
+  socklen_t length = sizeof size;
+  getsockopt(state_->socket.native_handle(), SOL_SOCKET, SO_RCVBUF, &size, &length);
+  return static_cast<std::size_t>(size);
+}
+
 void UdpSocket::set_peer(const UdpAddress& peer) noexcept {
   if (state_->fixed) return;
   state_->peer = peer;
@@ -208,6 +216,13 @@ std::optional<UdpSocket::Received> UdpSocket::receive(std::span<std::byte> buffe
 bool UdpSocket::wait_readable(TimePoint deadline) noexcept {
   pollfd fd{.fd = state_->socket.native_handle(), .events = POLLIN, .revents = 0};
   return poll_until(std::span(&fd, 1), deadline);
+}
+
+bool UdpSocket::spin_readable(TimePoint deadline) noexcept {
+  constexpr TimePoint kAtOnce{};
+  while (!wait_readable(kAtOnce))
+    if (std::chrono::steady_clock::now() >= deadline) return false;
+  return true;
 }
 
 bool UdpSocket::wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept {

@@ -76,9 +76,13 @@ class UdpSocket {
   // refusal by the peer's host also wakes it; receive then gives nothing.
   bool wait_readable(TimePoint deadline) noexcept;
 
+  // The same without sleeping: asks again and again, and keeps the processor busy.
+  bool spin_readable(TimePoint deadline) noexcept;
+
   // The same for either of two.
   static bool wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept;
 
+  std::size_t receive_buffer() const noexcept;  // bytes, as the kernel counts them; 0: unknown
   const UdpCounters& counters() const noexcept;
 
  private:

@@ -6,6 +6,7 @@
 
 #include "common/scene_bilateral.hpp"
 #include "common/scene_compensation.hpp"
+#include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
 #include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
@@ -223,6 +224,7 @@ MasterLoopConfig master_loop_config(const proto::Scene& scene) {
   return {.period = from_seconds(1 / scene.rate_hz()),
           .cut_off = from_seconds(scene.link().cut_off_us() * 1e-6),
           .lost = milliseconds(scene.link().lost_ms()),
+          .spin = realtime_config(scene.master().realtime()).spin,
           .park = from_seconds(scene.master().position_control().park().at_end_s())};
 }
 

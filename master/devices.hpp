@@ -11,6 +11,10 @@ namespace farhand {
 
 using AnyDevice = std::variant<SimHand<FalconGeometry>, SimHand<TwinDeltaGeometry>, ReplayHand>;
 
+// Hardware: what is written moves something.
+inline bool is_real(const AnyDevice& device) noexcept {
+  return std::visit([](const auto& d) { return d.kReal; }, device);
+}
 inline HandleReading read(AnyDevice& device, TimePoint now) noexcept {
   return std::visit([&](auto& d) { return d.read(now); }, device);
 }

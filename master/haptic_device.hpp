@@ -1,6 +1,6 @@
 // The seam between the master and whatever the hand holds, hardware or simulated.
 //
-// A new device is one struct with the two functions of the concept and one entry in the variant of
+// A new device is one struct with what the concept asks for and one entry in the variant of
 // devices. What it owes its caller:
 //   - read() and write() never block, allocate, throw, log or read a clock; `now` is the only time.
 //   - read() answers with the newest complete sample. With none, ok is false and the rest is
@@ -34,6 +34,7 @@ struct HandleReading {
 
 template <typename Device>
 concept HapticDevice = requires(Device device, TimePoint now, const Vec6& tau) {
+  { Device::kReal } -> std::convertible_to<bool>;  // hardware, not simulated
   { device.read(now) }
   noexcept->std::same_as<HandleReading>;
   // tau: motor torques [N m] at the joints, in the sense of theta.

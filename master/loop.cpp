@@ -51,7 +51,7 @@ void MasterLoop::turn() noexcept {
   record_ = &recorder_.slot();
   LoopTiming& timing = record_->timing;
   timing = {};
-  sleep_until(next_);
+  sleep_until(next_, config_.spin);
   const TimePoint begin = monotonic_now();
   timing.woken_late = begin - next_;
 
@@ -117,8 +117,13 @@ bool MasterLoop::answered() const noexcept {
 
 void MasterLoop::await_answer(TimePoint until) noexcept {
   if (link_ == nullptr) return;
+  const TimePoint spun = std::min(until, monotonic_now() + config_.spin);
   receive();
-  while (!answered() && monotonic_now() < until && socket_->wait_readable(until)) receive();
+  while (!answered() && monotonic_now() < until && wait_readable(spun, until)) receive();
+}
+
+bool MasterLoop::wait_readable(TimePoint spun, TimePoint until) noexcept {
+  return (monotonic_now() < spun && socket_->spin_readable(spun)) || socket_->wait_readable(until);
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.

@@ -25,6 +25,7 @@ struct MasterLoopConfig {
   Duration period{std::chrono::milliseconds(1)};
   Duration cut_off{std::chrono::microseconds(400)};  // how long to wait for the answer
   Duration lost{std::chrono::milliseconds(500)};     // silence after which the slave is gone
+  Duration spin{};  // before the tick, and once the question is out: watched, not slept through
   Duration park{};  // at the end, how long position control may take to park the grip
 };
 
@@ -46,6 +47,7 @@ class MasterLoop {
   Peer<SlaveToMaster> slave(TimePoint now) const noexcept;
   void send(const MasterToSlave& message) noexcept;
   void await_answer(TimePoint until) noexcept;
+  bool wait_readable(TimePoint spun, TimePoint until) noexcept;
   void receive() noexcept;
   bool answered() const noexcept;
   void park() noexcept;

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/build_info.hpp"
+#include "common/processors.hpp"
 #include "common/program.hpp"
 #include "master/build.hpp"
 #include "master/record.hpp"
@@ -15,6 +16,8 @@ int main(int argc, char** argv) {
       [](const ProgramOptions& options) {
         const Scene scene = load_scene(options.scene);
         if (print_only(options, scene, {{"master", master_stages(scene.proto)}})) return 0;
+        const auto& realtime = scene.proto.master().realtime();
+        if (realtime.has_cpu()) reserve_processor(static_cast<int>(realtime.cpu()));
 
         Master master(master_config(scene.proto));
         AnyDevice device = make_device(scene, options.trace, scene.proto.seed());
@@ -50,7 +53,7 @@ int main(int argc, char** argv) {
 
         announce(scene, socket ? "slave at " + to_string(*socket->peer()) + with_key(secure.get())
                                : "no slave in this scene");
-        warn_each(enter_realtime(kLoopPriority));
+        start_realtime(realtime, is_real(device));
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
                    recorder)
             .run(options.limit());

@@ -11,6 +11,8 @@ namespace farhand {
 
 class ReplayHand {
  public:
+  static constexpr bool kReal = false;
+
   explicit ReplayHand(std::vector<HandleReading> readings)
       : readings_(std::make_shared<const std::vector<HandleReading>>(std::move(readings))) {}
 

@@ -75,6 +75,8 @@ struct HandTruth {
 template <typename Geometry>
 class SimHand {
  public:
+  static constexpr bool kReal = false;
+
   // Throws std::runtime_error with a sentence when the start lies outside the mechanism, when the
   // rate is too low for the springs, or when the motion is refused (see Motion).
   SimHand(const Geometry& geometry, SimHandConfig config);

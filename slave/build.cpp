@@ -6,6 +6,7 @@
 
 #include "common/scene_bilateral.hpp"
 #include "common/scene_compensation.hpp"
+#include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
 
 namespace farhand {
@@ -202,7 +203,8 @@ SlaveConfig slave_config(const proto::Scene& scene) {
 
 SlaveLoopConfig slave_loop_config(const proto::Scene& scene) {
   return {.period = from_seconds(1 / scene.rate_hz()),
-          .lost = milliseconds(scene.link().lost_ms())};
+          .lost = milliseconds(scene.link().lost_ms()),
+          .spin = realtime_config(scene.slave().realtime()).spin};
 }
 
 AnyRobot make_robot(const proto::Scene& scene, std::uint64_t seed) {

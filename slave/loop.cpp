@@ -48,7 +48,7 @@ void SlaveLoop::turn() noexcept {
   timing.compute = decided - sampled;
   timing.write = written - decided;
   timing.link = end - written;
-  phase_.ticked(begin, arrival);
+  phase_.ticked(end, arrival);
   finish(planned, begin, end);
 }
 
@@ -82,12 +82,22 @@ std::optional<TimePoint> SlaveLoop::await_message() noexcept {
   };
   sleep_until(phase_.earliest());
   receive();
-  for (TimePoint due = phase_.due(unused()); monotonic_now() < due && socket_.wait_readable(due);
+  for (TimePoint due = phase_.due(unused()); monotonic_now() < due && wait_readable(due);
        due = phase_.due(unused()))
     receive();
   const auto arrival = unused();
   if (arrival) ticked_sequence_ = link_.newest()->sequence;
   return arrival;
+}
+
+bool SlaveLoop::wait_readable(TimePoint until) noexcept {
+  if (config_.spin > Duration::zero()) {
+    const TimePoint begin = std::min(until, phase_.expected() - config_.spin);
+    const TimePoint end = std::min(until, phase_.expected() + config_.spin);
+    if (monotonic_now() < begin && socket_.wait_readable(begin)) return true;
+    if (monotonic_now() < end && socket_.spin_readable(end)) return true;
+  }
+  return socket_.wait_readable(until);
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only

@@ -23,6 +23,7 @@ struct SlaveRecord {
 struct SlaveLoopConfig {
   Duration period{std::chrono::milliseconds(1)};
   Duration lost{std::chrono::milliseconds(500)};  // silence after which the master is gone
+  Duration spin{};  // before and after the expected message: watched for, not slept through
 };
 
 class SlaveLoop {
@@ -42,6 +43,7 @@ class SlaveLoop {
   Peer<MasterToSlave> master(TimePoint now) const noexcept;
   // Arrival of the message this tick uses; nothing: the deadline came first.
   std::optional<TimePoint> await_message() noexcept;
+  bool wait_readable(TimePoint until) noexcept;
   void receive() noexcept;
   void send() noexcept;
   void finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept;

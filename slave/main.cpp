@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "common/build_info.hpp"
+#include "common/processors.hpp"
 #include "common/program.hpp"
 #include "slave/build.hpp"
 #include "slave/record.hpp"
@@ -16,6 +17,8 @@ int main(int argc, char** argv) {
         const Scene scene = load_scene(options.scene);
         require_slave(scene);
         if (print_only(options, scene, {{"slave", slave_stages(scene.proto)}})) return 0;
+        const auto& realtime = scene.proto.slave().realtime();
+        if (realtime.has_cpu()) reserve_processor(static_cast<int>(realtime.cpu()));
 
         Slave slave(slave_config(scene.proto));
         AnyRobot robot = make_robot(scene.proto, scene.proto.seed());
@@ -39,7 +42,7 @@ int main(int argc, char** argv) {
         });
 
         announce(scene, "listening on " + to_string(socket.local()) + with_key(secure.get()));
-        warn_each(enter_realtime(kLoopPriority));
+        start_realtime(realtime, is_real(robot));
         SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);

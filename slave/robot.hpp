@@ -26,6 +26,7 @@ inline bool plausible(const RobotReading& r) noexcept {
 // read() and write() never block, allocate or throw. A torque written holds until the next.
 template <typename R>
 concept Robot = requires(R robot, TimePoint now, const Vec6& tau) {
+  { R::kReal } -> std::convertible_to<bool>;  // hardware, not simulated
   { robot.read(now) }
   noexcept->std::same_as<RobotReading>;
   { robot.write(now, tau) }

@@ -10,6 +10,10 @@ namespace farhand {
 
 using AnyRobot = std::variant<SimArm>;
 
+// Hardware: what is written moves something.
+inline bool is_real(const AnyRobot& robot) noexcept {
+  return std::visit([](const auto& r) { return r.kReal; }, robot);
+}
 inline RobotReading read(AnyRobot& robot, TimePoint now) noexcept {
   return std::visit([&](auto& r) { return r.read(now); }, robot);
 }

@@ -61,6 +61,8 @@ struct SimArmStatus {
 
 class SimArm {
  public:
+  static constexpr bool kReal = false;
+
   explicit SimArm(const SimArmConfig& config) noexcept;
 
   // Both first bring the plant to `now` under the torque held so far, in equal Runge-Kutta steps as

@@ -327,6 +327,9 @@ inline std::vector<BrokenScene> broken_scenes() {
       {"rate_hz: 4000\nmaster { velocity_cutoff_hz: 60 " + hand +
            "}\nslave { sim_arm { rate_hz: 4000 } workspace {} joint_pid {} }@",
        "link.cut_off_us", "400 us is not less"},
+      {slave + "master { " + hand + "realtime { cpu: @1024 } }", "master.realtime.cpu", "nproc"},
+      {master + "slave { sim_arm {} workspace {} joint_pid {} realtime { spin_us: @251 } }",
+       "slave.realtime.spin_us", "a quarter of the tick period"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},
       {with_link("to_master { delay_ms: 1 jitter: UNIFORM jitter_ms: @2 }"),

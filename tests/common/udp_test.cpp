@@ -107,6 +107,17 @@ TEST(UdpSocket, GivesNothingWhenThereIsNothing) {
   EXPECT_FALSE(a.wait_readable(deadline - 1h));
 }
 
+TEST(UdpSocket, SpinsUntilSomethingComesOrTheDeadline) {
+  UdpSocket a(kAnyPort);
+  const TimePoint deadline = clock_now() + 3ms;
+  EXPECT_FALSE(a.spin_readable(deadline));
+  EXPECT_GE(clock_now(), deadline);
+  EXPECT_FALSE(a.spin_readable(deadline - 1h));
+  UdpSocket b(kAnyPort, a.local());
+  ASSERT_TRUE(b.send(pattern(10)));
+  EXPECT_TRUE(a.spin_readable(clock_now() + 5s));
+}
+
 TEST(UdpSocket, WithoutAPeerNothingIsSent) {
   UdpSocket a(kAnyPort);
   EXPECT_FALSE(a.send(pattern(10)));

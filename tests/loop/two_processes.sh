@@ -167,6 +167,48 @@ grep -q 'chmod 600' "$dir/master" || fail "the master does not say what to do ab
 grep -q 'farhand-keygen' "$dir/slave" || fail "the slave does not say how to leave this machine"
 pass "an open key file and a plain link to the world are refused, with the remedy"
 
+# doctor STATUS PATTERN SIDE ARGUMENT...: its exit status, and what it says.
+doctor() {
+  local status=0 expected="$1" pattern="$2" side="$3"
+  shift 3
+  "$bin/farhand-$side" --doctor "$@" >"$dir/$side.doctor" 2>&1 || status=$?
+  ((status == expected)) && grep -qE -- "$pattern" "$dir/$side.doctor" || { cat "$dir/$side.doctor"; fail "farhand-$side --doctor $* gave $status"; }
+}
+start_slave "$one"
+wait_for slave 'listening on' 1
+doctor 1 'problem +address .*another program has this port' slave "$one" --listen "127.0.0.1:$port"
+doctor 0 '^0 problems' master "$one" --slave "127.0.0.1:$port"
+grep -q '^problem' "$dir/master.doctor" && fail "the doctor counted no problem and named one"
+grep -qE '^ok +key +[0-9a-f]{8} in ' "$dir/master.doctor" || fail "the doctor does not name the key"
+end INT slave
+grep -q 'datagrams received 0, dropped 0' "$dir/slave" || fail "the doctor sent the slave something"
+doctor 0 '^ok +address +127.0.0.1:[0-9]+ can be bound$' slave "$one" --listen "127.0.0.1:$port"
+doctor 1 'problem +key .*gone.key.*farhand-keygen' master "$(keyed gone)"
+doctor 1 'problem +scene .*no.textproto:1:1' master no.textproto
+doctor 1 'problem +address .*has no slave' slave deploy/scenes/falcon_f1.textproto
+doctor 2 'scene is required' slave
+doctor 2 '--docter' master "$scene" --docter
+pass "--doctor finds nothing wrong, a port in use, a key and a scene that are missing, and sends nothing"
+
+for side in master slave; do
+  sed "s/^$side {/& realtime { cpu: 1023 }/" "$scene" >"$dir/pinned.textproto"
+  doctor 1 'problem +processors +there is no processor 1023: name one from 0' "$side" "$dir/pinned.textproto"
+  "$bin/farhand-$side" "$dir/pinned.textproto" --quiet --duration 1 >"$dir/$side" 2>&1 && fail "the $side took a processor that is not there"
+  grep -q '^farhand-.*: there is no processor 1023: name one from 0' "$dir/$side" || fail "the $side does not say which processor"
+done
+sed "s/^master {/& realtime { cpu: 0 spin_us: 100 }/; s/^slave {/& realtime { cpu: $(($(nproc) - 1)) spin_us: 100 }/" "$scene" >"$dir/pinned.textproto"
+start_slave "$dir/pinned.textproto"
+start_master "$dir/pinned.textproto"
+wait_for slave 'READY -> ENGAGED' 1
+for side in master slave; do
+  [[ "$side" == master ]] && cpu=0 || cpu=$(($(nproc) - 1))
+  (($(grep -h Cpus_allowed_list "/proc/${!side}/status" | grep -cw "$cpu") == 1)) || fail "the ${side}'s loop is not on processor $cpu"
+  others="$(grep -h Cpus_allowed_list /proc/"${!side}"/task/*/status | grep -cvxE "Cpus_allowed_list:\s$cpu" || true)"
+  ((others > 0 || $(nproc) == 1)) || fail "the ${side}'s other threads share its processor"
+done
+end INT master slave
+pass "a processor that is not there is refused; on their own, spinning, both engage with the other threads elsewhere"
+
 # A disk of 1 MiB where that can be mounted out of everybody's sight, else a limit on the size of files.
 mkdir "$dir/disk"
 if unshare --mount mount -t tmpfs -o size=1m none "$dir/disk" 2>/dev/null; then
