@@ -23,6 +23,8 @@ void add_options(Arguments& arguments, ProgramOptions& options, bool is_master) 
   arguments.option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
   arguments.option("--slave", options.slave, "host:port of the slave, instead of the scene's");
+  arguments.flag("--take-over", options.take_over,
+                 "lead in the place of the master that leads now");
   arguments.option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
 }
 
@@ -73,9 +75,12 @@ void require_slave(const Scene& scene) {
 }
 
 void refuse_addresses(const ProgramOptions& options, const Scene& scene) {
-  if (options.slave || options.listen)
-    throw std::runtime_error(scene.path + " has no slave to talk to: leave out " +
-                             (options.slave ? "--slave" : "--listen"));
+  const char* flag = options.slave       ? "--slave"
+                     : options.listen    ? "--listen"
+                     : options.take_over ? "--take-over"
+                                         : nullptr;
+  if (flag != nullptr)
+    throw std::runtime_error(scene.path + " has no slave to talk to: leave out " + flag);
 }
 
 UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,

@@ -28,6 +28,7 @@ struct ProgramOptions {
   std::optional<std::string> listen;  // host:port instead of the scene's
   std::optional<std::string> record;  // MCAP file to write
   std::optional<std::string> slave;   // master only
+  bool take_over = false;             // master only
   std::optional<std::string> trace;   // motion of the simulated hand; master only
 
   Duration limit() const noexcept {
@@ -51,7 +52,7 @@ bool print_only(const ProgramOptions& options, const Scene& scene, const Stages&
 // Throws with a sentence if the scene has no slave.
 void require_slave(const Scene& scene);
 
-// Throws with a sentence if a flag gives an address although the scene has nobody to talk to.
+// Throws with a sentence if a flag is about the slave although the scene has nobody to talk to.
 void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 
 // The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
           LinkConfig config =
               link_config(scene, random_session(), secure ? &secure->channel() : nullptr);
           config.capabilities = wants_force(master.config()) ? kForceWanted : 0u;
+          config.take_over = options.take_over;
           link.emplace(config);
         }
         std::optional<RecordingFile> file;

@@ -100,6 +100,7 @@ void SlaveLoop::receive() noexcept {
     const auto datagram = std::span(buffer).first(got->size);
     if (link_.secure() != nullptr && link_.secure()->take(datagram, got->from)) continue;
     if (link_.receive(datagram, monotonic_now()) == Verdict::accepted) socket_.set_peer(got->from);
+    if (!link_.answer().empty()) socket_.send_to(link_.answer(), got->from);
   }
 }
 

@@ -142,6 +142,30 @@ for side in master slave; do
 done
 pass "with one key: engages, and again after kill -9 of either side"
 
+# Two masters and one slave, which one of them leads.
+for of in "$scene" "$one"; do
+  start_slave "$of"
+  start_master "$of"
+  wait_for slave 'READY -> ENGAGED' 1
+  start_as second master "$of" --quiet --slave "127.0.0.1:$port"
+  wait_for second 'led by another master.*--take-over' 1
+  before="$(count slave 'READY -> ENGAGED')"
+  wait_for slave 'READY -> ENGAGED' $((before + 1))
+  mode_lines slave | grep -q -- '-> DISCONNECTED' && fail "the second master disturbed the first"
+  [[ -z "$(mode_lines second)" ]] || fail "the second master was let in"
+  kill_hard master
+  wait_for second 'READY -> ENGAGED' 1
+  start master "$of" --quiet --slave "127.0.0.1:$port" --take-over
+  wait_for second 'another master took over' 1
+  wait "$second" || fail "the former master's exit status was $?"
+  before="$(count slave 'READY -> ENGAGED')"
+  wait_for slave 'READY -> ENGAGED' $((before + 1))
+  wait_for master 'READY -> ENGAGED' 1
+  engaged_only_by_a_press
+  end INT master slave
+  pass "two masters ($(basename "$of")): the second is refused and told, waits, leads when the first is gone, and ends when it is taken over from"
+done
+
 start_slave "$one"
 start_master "$(keyed two)"
 wait_for master 'the slave has another key than this side' 1
