@@ -97,14 +97,17 @@ UdpAddress link_address(const std::optional<std::string>& flag, const std::strin
   return parse_udp_address(text);
 }
 
+std::optional<Key> link_key(const Scene& scene) {
+  const auto& link = scene.proto.link();
+  if (!link.has_key_file()) return {};
+  return load_key(std::filesystem::path(scene.path).parent_path() / link.key_file());
+}
+
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
                                            const std::optional<UdpAddress>& server) {
-  const auto& link = scene.proto.link();
-  if (link.has_key_file())
-    return std::make_unique<SecureService>(
-        SecureChannelConfig{.server = server},
-        load_key(std::filesystem::path(scene.path).parent_path() / link.key_file()));
-  if (link.insecure())
+  if (const auto key = link_key(scene))
+    return std::make_unique<SecureService>(SecureChannelConfig{.server = server}, *key);
+  if (scene.proto.link().insecure())
     spdlog::warn(
         "the link is insecure: whoever reaches its port can move the robot; make a key with "
         "farhand-keygen and name it in the scene instead: link {{ key_file: \"...\" }}");

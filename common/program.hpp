@@ -60,6 +60,9 @@ void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
                         const Scene& scene);
 
+// The key that a scene names, if any. Throws as load_key does.
+std::optional<Key> link_key(const Scene& scene);
+
 // The secure channel of a scene that names a key file, of the client of `server` or of a server;
 // nullptr for any other, with a warning if it says insecure. Throws as load_key does.
 std::unique_ptr<SecureService> make_secure(const Scene& scene,

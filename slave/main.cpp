@@ -6,6 +6,7 @@
 #include "common/program.hpp"
 #include "common/scene_network.hpp"
 #include "slave/build.hpp"
+#include "slave/observed.hpp"
 #include "slave/record.hpp"
 #include "slave/status.hpp"
 
@@ -30,10 +31,15 @@ int main(int argc, char** argv) {
           file.emplace(*options.record, scene, about_program("slave", build_info()));
           recording.emplace(*file, slave.config());
         }
+        std::optional<ObservedSlave> observed;
+        if (const auto& at = scene.proto.link(); at.has_observer_address())
+          observed.emplace(link_address({}, at.observer_address(), scene), link_key(scene),
+                           scene.shared_hash);
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) {
           status.add(r);
           if (recording) recording->add(r);
+          if (observed) observed->add(r);
         });
 
         announce(scene, "listening on " + to_string(socket.local()) + with_key(secure.get()));

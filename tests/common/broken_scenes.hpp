@@ -322,6 +322,10 @@ inline std::vector<BrokenScene> broken_scenes() {
        "link.master_address", "one family"},
       {with_link("master_address: @\"localhost:47810\""), "link.master_address",
        "the slave's address too"},
+      {with_link("observer_address: @\"lab\""), "link.observer_address", "no address"},
+      {with_link("observer_address: @\"10.0.0.3:47820\""), "link.observer_address",
+       "beyond this machine"},
+      {with_link("observer_address: @\"127.0.0.1:0\""), "link.observer_address", "port 0"},
       {with_link("cut_off_us: @1000"), "link.cut_off_us",
        "1000 us is not less than the tick period"},
       {"rate_hz: 4000\nmaster { velocity_cutoff_hz: 60 " + hand +

@@ -322,11 +322,12 @@ TEST(SceneHash, ChangesWithEverySharedFieldAndWithNoLocalOne) {
 }
 
 TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
-  const std::set<std::string> kLocal = {
-      "description",         "seed",          "duration_s",
-      "master.sim_hand",     "slave.sim_arm", "link.slave_address",
-      "link.master_address", "link.insecure", "link.key_file",
-      "link.to_slave",       "link.to_master"};
+  const std::set<std::string> kLocal = {"description",         "seed",
+                                        "duration_s",          "master.sim_hand",
+                                        "slave.sim_arm",       "link.slave_address",
+                                        "link.master_address", "link.observer_address",
+                                        "link.insecure",       "link.key_file",
+                                        "link.to_slave",       "link.to_master"};
   std::set<std::string> found;
   for (const Chain& chain : all_chains())
     if (marked_local(chain.back()) && std::none_of(chain.begin(), chain.end() - 1, marked_local))

@@ -1,6 +1,6 @@
 # What the tests that run the programs as processes share; sourced. Wants `bin`, and puts at_NAME before the command of
 # farhand-NAME, so that a test may run it elsewhere. What it says is in $dir/NAME.
-at_master=() at_slave=() at_impair=()
+at_master=() at_slave=() at_impair=() at_observe=()
 dir="$(mktemp -d)"
 passed=0
 trap 'kill -9 $(jobs -p) 2>/dev/null || true; rm -rf "$dir"' EXIT
@@ -20,7 +20,7 @@ start_as() {
 
 fail() {
   echo "FAILED: $*"
-  tail -n 30 "$dir"/{master,second,slave,impair} 2>/dev/null
+  tail -n 30 "$dir"/{master,second,slave,impair,observe} 2>/dev/null
   exit 1
 }
 pass() {

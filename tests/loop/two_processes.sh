@@ -166,6 +166,35 @@ for of in "$scene" "$one"; do
   pass "two masters ($(basename "$of")): the second is refused and told, waits, leads when the first is gone, and ends when it is taken over from"
 done
 
+# seen_by SCENE: the same with an address at which it may be looked at.
+seen_by() {
+  sed "s/^link {/link { observer_address: \"127.0.0.1:$((port + 2))\"/" "$1" >"$dir/seen_$(basename "$1")"
+  grep -q '^link' "$1" || echo "link { observer_address: \"127.0.0.1:$((port + 2))\" }" >>"$dir/seen_$(basename "$1")"
+  echo "$dir/seen_$(basename "$1")"
+}
+for of in "$scene" "$one"; do
+  seen="$(seen_by "$of")"
+  start_slave "$seen"
+  start observe "$seen"
+  start_as watcher observe "$seen"
+  start_master "$seen"
+  for who in observe watcher; do
+    wait_for "$who" ': READY' 1
+    wait_for "$who" ': ENGAGED' 2
+    wait_for "$who" 'ENGAGED tool' 1
+  done
+  end INT observe watcher
+  before="$(count slave 'READY -> ENGAGED')"
+  wait_for slave 'READY -> ENGAGED' $((before + 1))
+  end INT master slave
+  pass "two look on ($(basename "$of")): they see the states and the tool, and motion goes on"
+done
+start_slave "$(seen_by "$one")"
+start observe "$(seen_by "$scene")"
+wait_for observe 'no answer from the slave' 1
+end INT observe slave
+pass "who has no key sees nothing"
+
 start_slave "$one"
 start_master "$(keyed two)"
 wait_for master 'the slave has another key than this side' 1
