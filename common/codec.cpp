@@ -26,6 +26,8 @@ static_assert(static_cast<int>(Method::damped) == proto::METHOD_DAMPED &&
               proto::Method_ARRAYSIZE == kMethods);
 static_assert(static_cast<int>(Role::master) == proto::ROLE_MASTER &&
               static_cast<int>(Role::slave) == proto::Role_MAX);
+static_assert(static_cast<int>(Lease::held) == proto::LEASE_HELD &&
+              static_cast<int>(Lease::lost) == proto::Lease_MAX);
 
 template <typename Column>
 void put(const Column& from, Doubles* to) {
@@ -104,6 +106,10 @@ void put(const Hello& from, proto::Hello& to) {
   to.set_session(from.session);
   to.set_scene_hash(from.scene_hash);
   to.set_capabilities(from.capabilities);
+  to.set_take_over(from.take_over);
+  to.set_peer_session(from.peer_session);
+  to.set_lease(static_cast<proto::Lease>(from.lease));
+  to.set_leases(from.leases);
 }
 
 void put(const MasterToSlave& from, proto::MasterToSlave& to) {
@@ -288,6 +294,11 @@ bool valid(const LocalWall& w) noexcept {
 
 }  // namespace
 
+bool valid(const Hello& h) noexcept {
+  const bool whole = h.session != 0 && h.role <= Role::slave && h.lease <= Lease::lost;
+  return whole && (h.role == Role::slave ? !h.take_over : h.lease == Lease::none && h.leases == 0);
+}
+
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
          in_range(m.reason) && in_range(m.method) && std::isfinite(m.energies.translation) &&
@@ -327,7 +338,7 @@ Codec::Codec() : messages_(std::make_unique<Messages>()) {
 Codec::~Codec() = default;
 
 std::size_t Codec::encode(const Hello& hello, std::span<std::byte> payload) noexcept {
-  if (hello.session == 0 || hello.role > Role::slave) return 0;
+  if (!valid(hello)) return 0;
   put(hello, messages_->hello);
   return serialise(PayloadType::hello, messages_->hello, kHelloBytes, payload);
 }
@@ -350,13 +361,16 @@ Verdict Codec::decode(std::span<const std::byte> payload, Hello& hello) noexcept
   if (!parse(payload, from) || !from.has_protocol_version()) return Verdict::malformed;
   hello = {.protocol_version = from.protocol_version()};
   if (hello.protocol_version != kProtocolVersion) return Verdict::wrong_version;
-  if (payload.size() != kHelloBytes || !from.IsInitialized() || from.session() == 0)
-    return Verdict::malformed;
+  if (payload.size() != kHelloBytes || !from.IsInitialized()) return Verdict::malformed;
   hello.role = static_cast<Role>(from.role());
   hello.session = from.session();
   hello.scene_hash = from.scene_hash();
   hello.capabilities = from.capabilities();
-  return Verdict::accepted;
+  hello.take_over = from.take_over();
+  hello.peer_session = from.peer_session();
+  hello.lease = static_cast<Lease>(from.lease());
+  hello.leases = from.leases();
+  return valid(hello) ? Verdict::accepted : Verdict::malformed;
 }
 
 Verdict Codec::decode(std::span<const std::byte> payload, Header& header,

@@ -13,6 +13,7 @@
 
 namespace farhand {
 
+bool valid(const Hello& hello) noexcept;
 bool valid(const MasterToSlave& message) noexcept;
 bool valid(const SlaveToMaster& message) noexcept;
 bool valid(const Header& header) noexcept;

@@ -5,6 +5,10 @@
 // Handshake: each side says hello until it has its peer's hello and data that answers its own
 // session. A hello with a new session takes the place of the old peer, whose datagrams are dropped
 // from then on, so either side may restart at any time. Data flows as soon as the peer is known.
+//
+// Of several masters one leads: it has the slave's lease for as long as the slave hears it, and
+// `silence` longer. Who says hello meanwhile is refused and told, and gets in by a later hello, or
+// at once if it asks to take over. Then the one that led is told; its session never leads again.
 #pragma once
 
 #include <array>
@@ -27,8 +31,14 @@ struct LinkConfig {
   std::uint64_t scene_hash = 0;
   std::uint32_t capabilities = 0;
   Duration hello_period = std::chrono::milliseconds(100);
-  Duration silence = std::chrono::milliseconds(500);  // without data for so long: hello again
-  SecureChannel* secure = nullptr;                    // borrowed; nullptr: the plain channel
+  // Without data for so long: hello again. Without anything: the master's lease is over.
+  Duration silence = std::chrono::milliseconds(500);
+  bool take_over = false;  // a master's: lead in the place of another, once
+  // What took so much longer than the fastest of the clock's window is not taken: a side that wakes
+  // up does not act on what waited meanwhile. Only once the clock is known. If nothing else comes
+  // for as long as the window, the network got slower for good: the clock begins anew.
+  Duration max_late = std::chrono::milliseconds(100);
+  SecureChannel* secure = nullptr;  // borrowed; nullptr: the plain channel
 };
 
 // received == accepted() + dropped(), always.
@@ -55,7 +65,13 @@ struct LinkQuality {
 
 // Why a peer's hello was refused, for the user; cleared by a hello that is not.
 struct PeerRefusal {
-  enum class Reason : std::uint8_t { none, version, scene } reason = Reason::none;
+  enum class Reason : std::uint8_t {
+    none,
+    version,
+    scene,
+    led,        // another master leads the slave, for longer than a crashed one would
+    taken_over  // for good: another master took over
+  } reason = Reason::none;
   std::uint32_t peer_version = 0;
   std::uint64_t peer_scene_hash = 0;  // known only if the version matches
 };
@@ -91,6 +107,15 @@ class Link {
   // Only `accepted` changes what the link knows of its peer (and a refused hello, peer_refusal).
   Verdict receive(std::span<const std::byte> datagram, TimePoint now) noexcept;
 
+  // A slave's word to the sender of the last datagram received, who has not the lease; to be sent
+  // there at once. Never longer than what it answers. Empty: nothing.
+  std::span<const std::byte> answer() const noexcept {
+    return std::span(answer_).first(answer_size_);
+  }
+
+  // Another master took over from this one: nothing leaves any more.
+  bool taken_over() const noexcept { return refusal_.reason == PeerRefusal::Reason::taken_over; }
+
   // The newest message of the present peer; nullptr before the first.
   const Received<In>* newest() const noexcept { return newest_ ? &*newest_ : nullptr; }
   // The newest one arrived at most `limit` ago.
@@ -117,25 +142,37 @@ class Link {
 
   std::span<const std::byte> sealed(std::span<const std::byte> payload, Datagram& to) noexcept;
   Verdict judge(std::span<const std::byte> datagram, TimePoint now) noexcept;
-  Verdict on_hello(std::span<const std::byte> payload) noexcept;
+  Verdict on_hello(std::span<const std::byte> payload, TimePoint now) noexcept;
+  Verdict lease_to(const Hello& master, TimePoint now) noexcept;
+  Verdict lease_from(const Hello& slave, TimePoint now) noexcept;
+  Hello hello() const noexcept;
+  void tell(std::uint64_t session, Lease lease) noexcept;
+  void tell_former(std::uint64_t session, TimePoint now) noexcept;
   Verdict on_data(std::span<const std::byte> payload, TimePoint now) noexcept;
-  void take_over(const Hello& hello) noexcept;
+  void adopt(const Hello& hello) noexcept;
   bool retired(std::uint64_t session) const noexcept;
+  bool too_late(const Header& header, TimePoint now) noexcept;
   void accept(const Header& header, TimePoint now) noexcept;
   void measure(const Header& header, TimePoint now) noexcept;
 
   LinkConfig config_;
   Codec codec_;
   std::array<std::byte, kMaxPayloadBytes> payload_{};
-  Datagram data_{}, hello_{};
+  Datagram data_{}, hello_{}, answer_{};
+  std::size_t answer_size_ = 0;
   std::uint64_t sequence_ = 0;
   std::optional<TimePoint> next_hello_;  // nothing: at once
 
   std::optional<Hello> peer_;
+  TimePoint heard_{};            // when something of it came last that was not of the past
+  std::uint32_t leases_ = 0;     // given; a master's: the number of the one it has or had
+  std::uint64_t leased_by_ = 0;  // a master's: the slave of that one
+  std::optional<TimePoint> refused_since_, told_former_;
   std::array<std::uint64_t, 8> retired_{};  // the peer's former sessions, the last ones
   std::size_t retirements_ = 0;
   SequenceWindow window_;
   ClockSync clock_;
+  std::optional<TimePoint> late_since_;  // since then, all that is new came too late
   std::optional<Received<In>> newest_;
   In incoming_;
 

@@ -68,6 +68,11 @@ std::string refusal_sentence(const PeerRefusal& refusal, std::uint64_t own_scene
           "the partner runs another scene (shared part {:016x}, here {:016x}): start both sides "
           "with the same file",
           refusal.peer_scene_hash, own_scene_hash);
+    case PeerRefusal::Reason::led:
+      return "the slave is led by another master: stop that one, or start this one with "
+             "--take-over";
+    case PeerRefusal::Reason::taken_over:
+      return "another master took over: this one ends";
   }
   return {};
 }

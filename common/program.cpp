@@ -27,6 +27,8 @@ void add_options(Arguments& arguments, ProgramOptions& options, bool is_master) 
   arguments.option("--listen", options.listen, "host:port to listen on, instead of the scene's");
   if (!is_master) return;
   arguments.option("--slave", options.slave, "host:port of the slave, instead of the scene's");
+  arguments.flag("--take-over", options.take_over,
+                 "lead in the place of the master that leads now");
   arguments.option("--trace", options.trace, "recorded motion (CSV) for the simulated hand");
 }
 
@@ -80,9 +82,12 @@ void require_slave(const Scene& scene) {
 }
 
 void refuse_addresses(const ProgramOptions& options, const Scene& scene) {
-  if (options.slave || options.listen)
-    throw std::runtime_error(scene.path + " has no slave to talk to: leave out " +
-                             (options.slave ? "--slave" : "--listen"));
+  const char* flag = options.slave       ? "--slave"
+                     : options.listen    ? "--listen"
+                     : options.take_over ? "--take-over"
+                                         : nullptr;
+  if (flag != nullptr)
+    throw std::runtime_error(scene.path + " has no slave to talk to: leave out " + flag);
 }
 
 UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
@@ -103,13 +108,16 @@ std::filesystem::path key_path(const Scene& scene) {
   return std::filesystem::path(scene.path).parent_path() / scene.proto.link().key_file();
 }
 
+std::optional<Key> link_key(const Scene& scene) {
+  if (!scene.proto.link().has_key_file()) return {};
+  return load_key(key_path(scene));
+}
+
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
                                            const std::optional<UdpAddress>& server) {
-  const auto& link = scene.proto.link();
-  if (link.has_key_file())
-    return std::make_unique<SecureService>(SecureChannelConfig{.server = server},
-                                           load_key(key_path(scene)));
-  if (link.insecure())
+  if (const auto key = link_key(scene))
+    return std::make_unique<SecureService>(SecureChannelConfig{.server = server}, *key);
+  if (scene.proto.link().insecure())
     spdlog::warn(
         "the link is insecure: whoever reaches its port can move the robot; make a key with "
         "farhand-keygen and name it in the scene instead: link {{ key_file: \"...\" }}");

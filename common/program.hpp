@@ -30,6 +30,7 @@ struct ProgramOptions {
   std::optional<std::string> listen;  // host:port instead of the scene's
   std::optional<std::string> record;  // MCAP file to write
   std::optional<std::string> slave;   // master only
+  bool take_over = false;             // master only
   std::optional<std::string> trace;   // motion of the simulated hand; master only
 
   Duration limit() const noexcept {
@@ -54,7 +55,7 @@ bool print_only(const ProgramOptions& options, const Scene& scene, const Stages&
 // Throws with a sentence if the scene has no slave.
 void require_slave(const Scene& scene);
 
-// Throws with a sentence if a flag gives an address although the scene has nobody to talk to.
+// Throws with a sentence if a flag is about the slave although the scene has nobody to talk to.
 void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 
 // The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this
@@ -64,6 +65,8 @@ UdpAddress link_address(const std::optional<std::string>& flag, const std::strin
 
 // The scene's key file, which it names beside itself.
 std::filesystem::path key_path(const Scene& scene);
+// The key that a scene names, if any. Throws as load_key does.
+std::optional<Key> link_key(const Scene& scene);
 
 // The secure channel of a scene that names a key file, of the client of `server` or of a server;
 // nullptr for any other, with a warning if it says insecure. Throws as load_key does.

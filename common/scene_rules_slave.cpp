@@ -115,9 +115,14 @@ auto both_parsed(F broken) {
 
 void address_rules(Rules& r) {
   for (const auto& [name, text] : {std::pair{"slave_address", Text(&Link::slave_address)},
-                                   {"master_address", Text(&Link::master_address)}}) {
+                                   {"master_address", Text(&Link::master_address)},
+                                   {"observer_address", Text(&Link::observer_address)}}) {
+    const bool optional = text == Text(&Link::observer_address);
     rule<Link>(
-        r, name, [text = text](const Link& l) { return !parse_address((l.*text)()); },
+        r, name,
+        [text = text, optional](const Link& l) {
+          return (!optional || l.has_observer_address()) && !parse_address((l.*text)());
+        },
         "is no address",
         "write host:port with a numeric IPv4 address, an IPv6 address in brackets or localhost, "
         "and a port from 0 to 65535");
@@ -143,6 +148,14 @@ void address_rules(Rules& r) {
       r, "slave_address",
       parsed(&Link::slave_address, [](const Link&, const Address& a) { return a.port == 0; }),
       "has port 0, so the master would not know where to send", "give a port from 1 to 65535");
+  rule<Link>(r, "observer_address",
+             parsed(&Link::observer_address,
+                    [](const Link& l, const Address& a) {
+                      const auto slave = parse_address(l.slave_address());
+                      return a.port == 0 || (slave && slave->port == a.port);
+                    }),
+             "has port 0 or that of slave_address, so observers would not reach it",
+             "give another port, from 1 to 65535");
   rule<Link>(r, "master_address",
              both_parsed([](const Address& s, const Address& m) { return s.ipv6 != m.ipv6; }),
              "and slave_address are not both IPv4 or both IPv6", "give both in one family");
@@ -171,6 +184,11 @@ void link_rules(Rules& r) {
       r, "stale_ms", [](const Link& l) { return l.stale_ms() >= l.lost_ms(); },
       "is not less than lost_ms",
       "motion must hold before the peer counts as gone: lower it, or raise lost_ms");
+  rule<Link>(
+      r, "max_late_ms",
+      [](const Link& l) { return l.has_max_late_ms() && l.max_late_ms() < l.stale_ms(); },
+      "is less than stale_ms, so what ends a pause that is borne would be refused",
+      "raise it, lower stale_ms, or leave it out");
   using I = proto::Impairment;
   rule<I>(
       r, "jitter_ms",

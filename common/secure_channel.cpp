@@ -17,8 +17,11 @@ SecureChannel::~SecureChannel() {
 void SecureChannel::adopt() noexcept {
   DtlsSession* made = made_.load(std::memory_order_acquire);
   if (made == nullptr) return;
-  retired_.store(session_.release(), std::memory_order_relaxed);
-  session_.reset(made);
+  auto& place = config_.server ? session_ : beside_;
+  retired_.store(place.release(), std::memory_order_relaxed);
+  place.reset(made);
+  beside_open_ = place == beside_;
+  came_beside_ = false;
   made_.store(nullptr, std::memory_order_release);
 }
 
@@ -31,13 +34,28 @@ std::size_t SecureChannel::seal(std::span<const std::byte> payload,
 Opened SecureChannel::open(std::span<const std::byte> datagram,
                            std::span<std::byte> payload) noexcept {
   adopt();
-  if (!session_) {
-    const Verdict verdict = judge_record(datagram);
-    return {verdict == Verdict::accepted ? Verdict::not_connected : verdict};
-  }
-  const Opened opened = session_->open(datagram, payload);
+  const Verdict verdict = judge_record(datagram);
+  if (verdict != Verdict::accepted) return {verdict};
+  if (!session_ && !beside_open_) return {Verdict::not_connected};
+  Opened opened{Verdict::not_authentic};
+  if (session_) opened = session_->open(datagram, payload);
+  came_beside_ = opened.verdict != Verdict::accepted && beside_open_;
+  if (came_beside_) opened = beside_->open(datagram, payload);
   if (opened.verdict == Verdict::accepted) opened_.fetch_add(1, std::memory_order_relaxed);
   return opened;
+}
+
+// What was in use waits, closed, in the other's place for the next to be adopted.
+void SecureChannel::settle() noexcept {
+  if (!came_beside_) return;
+  std::swap(session_, beside_);
+  beside_open_ = came_beside_ = false;
+}
+
+std::size_t SecureChannel::seal_answer(std::span<const std::byte> payload,
+                                       std::span<std::byte> datagram) noexcept {
+  const auto& through = came_beside_ ? beside_ : session_;
+  return through ? through->seal(payload, datagram) : 0;
 }
 
 bool SecureChannel::take(std::span<const std::byte> datagram, const UdpAddress& from) noexcept {

@@ -3,8 +3,11 @@
 // neither allocates nor waits. The other makes connections, on another thread or, in a test, on the
 // same one. Between them are bounded queues.
 //
-// The present connection stays in use until a new one is authenticated, then ends for good. So
-// either side may restart, and nobody without the key can end it.
+// A client's connection stays in use until a new one is authenticated, then ends for good. A
+// server's also stays when another client, or the same anew, has connected: that connection stands
+// beside it, is heard and answered, and takes its place only when the link accepts what comes
+// through it. So either side may restart, nobody without the key can end a connection, and of those
+// with the key only the one that the link lets lead. The newest beside is the only one.
 #pragma once
 
 #include <atomic>
@@ -35,6 +38,12 @@ class SecureChannel {
   // The loop's half. As DtlsSession; 0 and not_connected before a connection stands.
   std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> datagram) noexcept;
   Opened open(std::span<const std::byte> datagram, std::span<std::byte> payload) noexcept;
+  // The link accepted the last payload opened: the connection it came through is in use from now
+  // on.
+  void settle() noexcept;
+  // Seals through the connection that the last payload opened came through.
+  std::size_t seal_answer(std::span<const std::byte> payload,
+                          std::span<std::byte> datagram) noexcept;
   // True for the datagram of a handshake, which needs no opening; dropped if too many wait.
   bool take(std::span<const std::byte> datagram, const UdpAddress& from) noexcept;
   // The next datagram of a handshake to send, or nullptr; valid until the next call.
@@ -59,6 +68,9 @@ class SecureChannel {
   std::atomic<std::uint64_t> opened_{0};
 
   std::unique_ptr<DtlsSession> session_;  // the loop's
+  std::unique_ptr<DtlsSession> beside_;   // a server's newest that is not in use, or one that was
+  bool beside_open_ = false;              // it may still come into use
+  bool came_beside_ = false;              // the last payload opened came through it
 
   DtlsHandshake handshake_;
   std::unique_ptr<DtlsSession> next_;

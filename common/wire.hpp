@@ -26,7 +26,7 @@ inline constexpr std::size_t kMaxPayloadBytes =
     kMaxDatagramBytes - kDtlsHeaderBytes - kDtlsTagBytes;  // fits the plain frame too
 
 // Payload sizes, type byte included. A payload of another size is refused.
-inline constexpr std::size_t kHelloBytes = 31;
+inline constexpr std::size_t kHelloBytes = 49;
 inline constexpr std::size_t kMasterToSlaveBytes = 220;
 inline constexpr std::size_t kSlaveToMasterBytes = 269;
 // More with what only some bilateral architectures and compensations send.
@@ -47,12 +47,24 @@ enum class Role : std::uint8_t { master, slave };
 // Bits of Hello::capabilities.
 inline constexpr std::uint32_t kForceWanted = 1;  // the master has a use for the slave's wrench
 
+// What a slave says a master has: one of them leads it.
+enum class Lease : std::uint8_t {
+  none,     // nobody was heard yet
+  held,     // it leads
+  refused,  // another one leads
+  lost,     // it led, or asked to, and another one took its place for good
+};
+
 struct Hello {
   std::uint32_t protocol_version = kProtocolVersion;
   Role role = Role::master;
   std::uint64_t session = 0;  // random at each start, not 0
   std::uint64_t scene_hash = 0;
   std::uint32_t capabilities = 0;
+  bool take_over = false;          // a master's: lead in the place of the one that leads
+  std::uint64_t peer_session = 0;  // the one it answers; 0: none
+  Lease lease = Lease::none;       // a slave's, of peer_session
+  std::uint32_t leases = 0;        // a slave's: how many it gave so far, which tells old news
 };
 
 // In front of every message. Stamps are the sender's monotonic clock in ns, at most kMaxStamp.
@@ -124,20 +136,23 @@ enum class Verdict : std::uint8_t {
   malformed,        // size, missing field, array length, not finite, not a rotation, unknown value
   wrong_version,    // hello of another protocol version
   wrong_scene,      // hello of a peer started with another scene
+  leased,           // hello of one master while another leads, or the slave's answer to that
   foreign_session,  // not, or no longer, the session of our peer
   other_recipient,  // from our peer, answering a session that is not ours
   bad_echo,         // echoes what we have not sent
   duplicate,        // seen before
   older,            // a newer one is here already
+  too_late,         // far longer on its way than the fastest
 };
-inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::older) + 1;
+inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::too_late) + 1;
 
 constexpr const char* to_string(Verdict v) noexcept {
   constexpr std::array<const char*, kVerdicts> kNames = {
-      "accepted",        "too short",       "too long",    "bad magic",     "bad length",
-      "bad checksum",    "wrong content",   "wrong epoch", "not connected", "not authentic",
-      "unexpected type", "wrong role",      "malformed",   "wrong version", "wrong scene",
-      "foreign session", "other recipient", "bad echo",    "duplicate",     "older"};
+      "accepted",        "too short",       "too long",        "bad magic",     "bad length",
+      "bad checksum",    "wrong content",   "wrong epoch",     "not connected", "not authentic",
+      "unexpected type", "wrong role",      "malformed",       "wrong version", "wrong scene",
+      "leased",          "foreign session", "other recipient", "bad echo",      "duplicate",
+      "older",           "too late"};
   return kNames[static_cast<std::size_t>(v)];
 }
 

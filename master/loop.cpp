@@ -22,7 +22,7 @@ MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice
 void MasterLoop::run(Duration limit) noexcept {
   next_ = monotonic_now() + config_.period;
   const TimePoint last = next_ + limit;
-  while (!stop_requested() && next_ < last) turn();
+  while (!stop_requested() && next_ < last && !taken_over()) turn();
   if (config_.park > Duration::zero()) park();
 
   // The slave holds, and the force fades by its slew limit.
@@ -109,6 +109,10 @@ void MasterLoop::send(const MasterToSlave& message) noexcept {
   const auto datagram = link_->encode(message, now);
   if (!datagram.empty()) sent_sequence_ = link_->sequence();
   socket_->send(datagram);
+}
+
+bool MasterLoop::taken_over() const noexcept {
+  return link_ != nullptr && link_->taken_over();
 }
 
 bool MasterLoop::answered() const noexcept {

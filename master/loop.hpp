@@ -36,8 +36,8 @@ class MasterLoop {
   MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
              UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept;
 
-  // Turns until a stop is requested or `limit` has passed; then parks the grip if asked to, lets
-  // the force fade, tells the slave, and leaves the motors at zero torque.
+  // Turns until a stop is requested, `limit` has passed or another master took over; then parks the
+  // grip if asked to, lets the force fade, tells the slave, and leaves the motors at zero torque.
   void run(Duration limit) noexcept;
 
   // One period: wait for its begin, sample, send, wait for the answer, actuate, write.
@@ -50,6 +50,7 @@ class MasterLoop {
   bool wait_readable(TimePoint spun, TimePoint until) noexcept;
   void receive() noexcept;
   bool answered() const noexcept;
+  bool taken_over() const noexcept;
   void park() noexcept;
   void finish(TimePoint end, Duration busy) noexcept;
 

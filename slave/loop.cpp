@@ -103,7 +103,6 @@ bool SlaveLoop::wait_readable(TimePoint until) noexcept {
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only
 // an accepted datagram may say where the master is.
 void SlaveLoop::receive() noexcept {
-  constexpr int kBurst = 64;
   std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
   for (int i = 0; i < kBurst; ++i) {
     const auto got = socket_.receive(buffer);
@@ -111,6 +110,7 @@ void SlaveLoop::receive() noexcept {
     const auto datagram = std::span(buffer).first(got->size);
     if (link_.secure() != nullptr && link_.secure()->take(datagram, got->from)) continue;
     if (link_.receive(datagram, monotonic_now()) == Verdict::accepted) socket_.set_peer(got->from);
+    if (!link_.answer().empty()) socket_.send_to(link_.answer(), got->from);
   }
 }
 

@@ -5,7 +5,9 @@
 #include "common/build_info.hpp"
 #include "common/processors.hpp"
 #include "common/program.hpp"
+#include "common/scene_network.hpp"
 #include "slave/build.hpp"
+#include "slave/observed.hpp"
 #include "slave/record.hpp"
 #include "slave/status.hpp"
 
@@ -25,20 +27,22 @@ int main(int argc, char** argv) {
         const SlaveLoopConfig loop = slave_loop_config(scene.proto);
         UdpSocket socket(link_address(options.listen, scene.proto.link().slave_address(), scene));
         const auto secure = make_secure(scene);
-        SlaveLink link({.session = random_session(),
-                        .scene_hash = scene.shared_hash,
-                        .silence = loop.lost,
-                        .secure = secure ? &secure->channel() : nullptr});
+        SlaveLink link(link_config(scene, random_session(), secure ? &secure->channel() : nullptr));
         std::optional<RecordingFile> file;
         std::optional<SlaveRecording> recording;
         if (options.record) {
           file.emplace(*options.record, scene, about_program("slave", build_info()));
           recording.emplace(*file, slave.config());
         }
+        std::optional<ObservedSlave> observed;
+        if (const auto& at = scene.proto.link(); at.has_observer_address())
+          observed.emplace(link_address({}, at.observer_address(), scene), link_key(scene),
+                           scene.shared_hash);
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) {
           status.add(r);
           if (recording) recording->add(r);
+          if (observed) observed->add(r);
         });
 
         announce(scene, "listening on " + to_string(socket.local()) + with_key(secure.get()));

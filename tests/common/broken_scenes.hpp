@@ -322,6 +322,10 @@ inline std::vector<BrokenScene> broken_scenes() {
        "link.master_address", "one family"},
       {with_link("master_address: @\"localhost:47810\""), "link.master_address",
        "the slave's address too"},
+      {with_link("observer_address: @\"lab\""), "link.observer_address", "no address"},
+      {with_link("observer_address: @\"10.0.0.3:47820\""), "link.observer_address",
+       "beyond this machine"},
+      {with_link("observer_address: @\"127.0.0.1:0\""), "link.observer_address", "port 0"},
       {with_link("cut_off_us: @1000"), "link.cut_off_us",
        "1000 us is not less than the tick period"},
       {"rate_hz: 4000\nmaster { velocity_cutoff_hz: 60 " + hand +
@@ -331,6 +335,7 @@ inline std::vector<BrokenScene> broken_scenes() {
       {master + "slave { sim_arm {} workspace {} joint_pid {} realtime { spin_us: @251 } }",
        "slave.realtime.spin_us", "a quarter of the tick period"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
+      {with_link("stale_ms: 50\n max_late_ms: @49"), "link.max_late_ms", "less than stale_ms"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},
       {with_link("to_master { delay_ms: 1 jitter: UNIFORM jitter_ms: @2 }"),
        "link.to_master.jitter_ms", "use jitter: GAMMA"},

@@ -276,7 +276,13 @@ TEST_F(Foreign, AppendedFieldsAreMalformed) {
 TEST(CodecHello, ComesBackAndHasOneSize) {
   Codec codec;
   Payload payload;
-  const Hello sent{.role = Role::slave, .session = 7, .scene_hash = 8, .capabilities = 9};
+  const Hello sent{.role = Role::slave,
+                   .session = 7,
+                   .scene_hash = 8,
+                   .capabilities = 9,
+                   .peer_session = 10,
+                   .lease = Lease::refused,
+                   .leases = 11};
   Hello got;
   ASSERT_EQ(codec.encode(sent, payload), kHelloBytes);
   ASSERT_EQ(codec.decode(std::span(payload).first(kHelloBytes), got), Verdict::accepted);
@@ -284,7 +290,23 @@ TEST(CodecHello, ComesBackAndHasOneSize) {
   EXPECT_EQ(got.session, 7u);
   EXPECT_EQ(got.scene_hash, 8u);
   EXPECT_EQ(got.capabilities, 9u);
+  EXPECT_EQ(got.peer_session, 10u);
+  EXPECT_EQ(got.lease, Lease::refused);
+  EXPECT_EQ(got.leases, 11u);
+  ASSERT_EQ(codec.encode(Hello{.session = 7, .take_over = true}, payload), kHelloBytes);
+  ASSERT_EQ(codec.decode(std::span(payload).first(kHelloBytes), got), Verdict::accepted);
+  EXPECT_TRUE(got.take_over);
+  EXPECT_EQ(got.role, Role::master);
+}
+
+TEST(CodecHello, WhatOnlyTheOtherSideMaySayIsRefused) {
+  Codec codec;
+  Payload payload;
   EXPECT_EQ(codec.encode(Hello{.session = 0}, payload), 0u);
+  EXPECT_EQ(codec.encode(Hello{.session = 7, .lease = Lease::held}, payload), 0u);
+  EXPECT_EQ(codec.encode(Hello{.session = 7, .leases = 1}, payload), 0u);
+  EXPECT_EQ(codec.encode(Hello{.role = Role::slave, .session = 7, .take_over = true}, payload), 0u);
+  EXPECT_EQ(codec.encode(Hello{.role = Role::slave, .session = 7, .lease = Lease(4)}, payload), 0u);
 }
 
 TEST(CodecHello, AnotherVersionIsRecognisedWhateverFollowsIt) {

@@ -143,6 +143,7 @@ TEST_F(LinkTest, EveryReasonToDropHasItsCounter) {
   expect_dropped(hello({.protocol_version = 99, .session = 5, .scene_hash = kScene}),
                  Verdict::wrong_version);
   expect_dropped(hello({.session = 5, .scene_hash = kScene + 1}), Verdict::wrong_scene);
+  expect_dropped(hello({.session = 5, .scene_hash = kScene}), Verdict::leased);
   expect_dropped(forged([](Header& h) { h.session = 77; }), Verdict::foreign_session);
   expect_dropped(forged([](Header& h) { h.peer_session = 77; }), Verdict::other_recipient);
   expect_dropped(forged([](Header& h) { h.echo_sequence = 77; }), Verdict::bad_echo);
@@ -153,6 +154,13 @@ TEST_F(LinkTest, EveryReasonToDropHasItsCounter) {
   expect_dropped(good, Verdict::duplicate);
   ASSERT_EQ(slave.receive(next(), now), Verdict::accepted);
   expect_dropped(older, Verdict::older);
+  now += 101ms;  // the echo of our first message, with the fastest way of 0
+  expect_dropped(forged([&](Header& h) {
+                   h.sent = h.echo_sent =
+                       static_cast<std::uint64_t>(kStart.time_since_epoch().count());
+                   h.echo_sequence = 1;
+                 }),
+                 Verdict::too_late);
   const auto secure = [](Verdict v) {  // of the secure channel, which a plain link never gives
     return v >= Verdict::wrong_content && v <= Verdict::not_authentic;
   };
@@ -195,6 +203,90 @@ TEST_F(LinkTest, FreshIsAMatterOfArrival) {
   EXPECT_FALSE(slave.fresh(now + 20ms + 1ns, 20ms));
 }
 
+// A pair with both clocks known, over a way of 5 ms each.
+class LatenessTest : public LinkTest {
+ protected:
+  static constexpr Duration kWay = 5ms;
+  LatenessTest() {
+    slave.receive(copy(master.hello_due(now)), now);
+    master.receive(copy(slave.hello_due(now)), now);
+    for (int i = 0; i < 100; ++i) exchange(kWay, kWay);
+    EXPECT_TRUE(slave.clock().valid && master.clock().valid);
+  }
+  // A message there and one back, so long on their ways; the clocks of both sides are one.
+  std::pair<Verdict, Verdict> exchange(Duration there, Duration back) {
+    const Bytes down = next(), up = copy(slave.encode({}, now));
+    const auto verdicts =
+        std::pair(slave.receive(down, now + there), master.receive(up, now + back));
+    now += std::max(there, back) + 20ms;
+    return verdicts;
+  }
+};
+
+// Seconds of messages wait in a queue while the slave is stopped, longer than the clock remembers.
+TEST_F(LatenessTest, WhatWaitedWhileASideSleptIsNotTaken) {
+  for (const Duration sleep : {Duration(2s), Duration(15s)}) {
+    std::vector<Bytes> queue;
+    for (const TimePoint end = now + sleep; now < end; now += 1ms) queue.push_back(next());
+    const std::uint64_t before = slave.newest()->sequence, lost = slave.quality().lost;
+    std::uint64_t too_late = 0;
+    for (const Bytes& datagram : queue) {
+      const Duration waited = std::chrono::milliseconds(&queue.back() - &datagram + 1);
+      const Verdict verdict = slave.receive(datagram, now + kWay);
+      ASSERT_EQ(verdict, waited > 100ms ? Verdict::too_late : Verdict::accepted) << waited.count();
+      too_late += verdict == Verdict::too_late;
+      if (verdict == Verdict::too_late) {
+        ASSERT_EQ(slave.newest()->sequence, before);
+      }
+    }
+    EXPECT_EQ(slave.quality().lost, lost + too_late);
+    EXPECT_EQ(slave.clock().round_trip, 2 * kWay);
+    for (int i = 0; i < 10; ++i) {
+      now += 20ms;
+      slave.receive(next(), now + kWay);
+      master.receive(copy(slave.encode({}, now)), now + kWay);
+    }
+  }
+}
+
+TEST_F(LatenessTest, TheLimitIsAboveTheFastest) {
+  EXPECT_EQ(exchange(kWay, kWay + 100ms).second, Verdict::accepted);
+  EXPECT_EQ(exchange(kWay, kWay + 100ms + 1ns).second, Verdict::too_late);
+  EXPECT_EQ(exchange(kWay + 100ms + 1ns, kWay).first, Verdict::too_late);
+  EXPECT_EQ(exchange(kWay + 90ms, kWay + 90ms), std::pair(Verdict::accepted, Verdict::accepted));
+}
+
+// Both ways at once, so that neither side has anything new to echo.
+TEST_F(LatenessTest, ANetworkThatGotSlowerForGoodIsAcceptedAfterTheClocksWindow) {
+  const TimePoint begin = now;
+  std::optional<TimePoint> first;
+  while (now < begin + 20s) {
+    const TimePoint sent = now;
+    const auto [there, back] = exchange(kWay + 200ms, kWay + 200ms);
+    if (!first && there == Verdict::accepted) first = sent;
+    ASSERT_EQ(first.has_value(), there == Verdict::accepted) << seconds(now - begin);
+    ASSERT_EQ(first.has_value(), back == Verdict::accepted) << seconds(now - begin);
+  }
+  ASSERT_TRUE(first);
+  EXPECT_GE(*first - begin, Duration(ClockSync::kWindow));
+  EXPECT_LT(*first - begin, ClockSync::kWindow + kWay + 200ms + 20ms);
+  EXPECT_EQ(slave.clock().round_trip, 2 * (kWay + 200ms));
+}
+
+// The stamps alone say that all is late, the round trip that nothing is.
+TEST_F(LatenessTest, AStepOfTheOtherClockIsNoLateness) {
+  for (const Duration step : {-3s, 3s}) {
+    master.receive(copy(slave.encode({}, now)), now + kWay);
+    for (int i = 0; i < 100; ++i, now += 20ms) {  // the master's clock is so much ahead
+      if (i == 0) continue;
+      const Bytes down = copy(master.encode({}, now + 10s + step));
+      ASSERT_EQ(slave.receive(down, now + kWay), Verdict::accepted) << i;
+      ASSERT_EQ(master.receive(copy(slave.encode({}, now + kWay)), now + 10s + step + 2 * kWay),
+                Verdict::accepted);
+    }
+  }
+}
+
 TEST_F(LinkTest, WhatThePeerWouldRefuseIsNotSent) {
   connect();
   MasterToSlave broken;
@@ -223,6 +315,7 @@ TEST_F(LinkTest, ARestartedPeerTakesThePlaceOfTheOldOneForGood) {
   connect();
   const Bytes old_hello = hello({.session = 1, .scene_hash = kScene}), old_data = next();
   MasterLink again({.session = 11, .scene_hash = kScene});
+  now += 501ms;
   ASSERT_EQ(slave.receive(again.hello_due(now), now), Verdict::accepted);
   EXPECT_FALSE(slave.connected());
   EXPECT_EQ(slave.newest(), nullptr);
@@ -232,6 +325,191 @@ TEST_F(LinkTest, ARestartedPeerTakesThePlaceOfTheOldOneForGood) {
   ASSERT_EQ(again.receive(slave.hello_due(now), now), Verdict::accepted);
   ASSERT_EQ(slave.receive(again.encode(numbered(5), now), now), Verdict::accepted);
   EXPECT_EQ(slave.newest()->message.clutch_presses, 5u);
+}
+
+// Several masters and the slave, each heard by the slave at once and told at once. A tick is 1 ms.
+class LeaseTest : public LinkTest {
+ protected:
+  static LinkConfig config(std::uint64_t session, bool take_over = false) {
+    return {.session = session, .scene_hash = kScene, .take_over = take_over};
+  }
+  void turn(MasterLink& m) {
+    for (const Bytes& datagram : {copy(m.hello_due(now)), copy(m.encode(numbered(7), now))}) {
+      if (datagram.empty()) continue;
+      const Verdict verdict = slave.receive(datagram, now);
+      if (verdict == Verdict::accepted) leader = &m;
+      ASSERT_LE(slave.answer().size(), datagram.size());
+      if (!slave.answer().empty()) m.receive(copy(slave.answer()), now);
+    }
+  }
+  void run(Duration length, std::initializer_list<MasterLink*> masters) {
+    for (const TimePoint end = now + length; now < end; now += 1ms) {
+      for (MasterLink* m : masters) turn(*m);
+      if (leader == nullptr) continue;
+      for (const Bytes& datagram : {copy(slave.hello_due(now)), copy(slave.encode({}, now))})
+        if (!datagram.empty()) leader->receive(datagram, now);
+    }
+  }
+  bool leads(const MasterLink& m) const {
+    return leader == &m && m.fresh(now, 2ms) && slave.fresh(now, 2ms);
+  }
+  static PeerRefusal::Reason refusal(const MasterLink& m) { return m.peer_refusal().reason; }
+
+  MasterLink* leader = nullptr;  // where the slave's datagrams go
+  MasterLink second{config(11)};
+};
+
+using Refusal = PeerRefusal::Reason;
+
+TEST_F(LeaseTest, ASecondMasterIsRefusedAndToldAndTheFirstDoesNotNotice) {
+  run(100ms, {&master});
+  ASSERT_TRUE(leads(master));
+  run(5s, {&master, &second});
+  EXPECT_TRUE(leads(master));
+  EXPECT_EQ(slave.counters()[Verdict::leased], 50u);  // one hello each 100 ms
+  EXPECT_EQ(second.counters()[Verdict::leased], 50u);
+  EXPECT_EQ(refusal(second), Refusal::led);
+  EXPECT_EQ(refusal(master), Refusal::none);
+  EXPECT_TRUE(second.encode({}, now).empty());
+  EXPECT_EQ(slave.quality().lost, 0u);
+}
+
+TEST_F(LeaseTest, ARestartedMasterGetsInByItselfWhenTheLeaseIsOver) {
+  run(100ms, {&master});
+  const TimePoint last = slave.newest()->received;
+  while (!leads(second)) {
+    run(1ms, {&second});
+    ASSERT_EQ(refusal(second), Refusal::none);  // no longer than a crashed one's lease
+    ASSERT_LE(now, last + 1s);
+  }
+  EXPECT_GT(now - 1ms, last + 500ms);
+  EXPECT_LE(now - 1ms, last + 500ms + 100ms);  // and a hello's period
+  run(1s, {&second});
+  EXPECT_TRUE(leads(second));
+}
+
+TEST_F(LeaseTest, WhoWaitsGetsInWhenTheLeaderIsGone) {
+  run(3s, {&master, &second});
+  ASSERT_EQ(refusal(second), Refusal::led);
+  run(700ms, {&second});
+  EXPECT_TRUE(leads(second));
+  EXPECT_EQ(refusal(second), Refusal::none);
+}
+
+TEST_F(LeaseTest, ASilentLeaderComesBackIfNobodyCameMeanwhile) {
+  run(100ms, {&master});
+  run(10s, {});
+  run(10ms, {&master});
+  EXPECT_TRUE(leads(master));
+}
+
+TEST_F(LeaseTest, OneThatComesBackTooLateIsTold) {
+  run(100ms, {&master});
+  run(700ms, {&second});
+  ASSERT_TRUE(leads(second));
+  run(100ms, {&master, &second});
+  EXPECT_TRUE(leads(second));
+  EXPECT_TRUE(master.taken_over());
+}
+
+TEST_F(LeaseTest, ATakeOverIsAtOnceAndTheFormerMasterIsToldAndGivesIn) {
+  run(100ms, {&master});
+  MasterLink taker(config(12, true));
+  const Bytes its_hello = copy(taker.hello_due(now));
+  const Bytes before = copy(master.encode({}, now)),
+              hello_before = copy(master.hello_due(now + 1h));
+  ASSERT_EQ(slave.receive(its_hello, now), Verdict::accepted);
+  leader = &taker;
+  EXPECT_EQ(slave.newest(), nullptr);  // so the robot is held
+  run(3ms, {&master, &taker});
+  EXPECT_TRUE(leads(taker));
+  EXPECT_TRUE(master.taken_over());
+  EXPECT_FALSE(taker.taken_over());
+  run(5s, {&master, &taker});
+  EXPECT_TRUE(leads(taker));
+  EXPECT_TRUE(master.hello_due(now).empty() && master.encode({}, now).empty());
+  // What the network kept of the former one changes nothing, nor does the taker's own.
+  expect_dropped(before, Verdict::foreign_session);
+  expect_dropped(hello_before, Verdict::foreign_session);
+  EXPECT_EQ(slave.receive(its_hello, now), Verdict::accepted);
+  EXPECT_TRUE(leads(taker));
+}
+
+TEST_F(LeaseTest, OfTwoThatTakeOverTheLastOneLeadsAndNobodyFights) {
+  MasterLink one(config(12, true)), two(config(13, true));
+  run(100ms, {&master});
+  const Bytes hello_of_one = copy(one.hello_due(now));
+  slave.receive(hello_of_one, now);
+  leader = &one;
+  run(100ms, {&master, &one});
+  ASSERT_TRUE(leads(one));
+  run(3ms, {&one, &two});
+  EXPECT_TRUE(leads(two));
+  EXPECT_TRUE(one.taken_over() && master.taken_over());
+  expect_dropped(hello_of_one, Verdict::foreign_session);  // a replay takes nothing over
+  run(5s, {&master, &one, &two});
+  EXPECT_TRUE(leads(two));
+  EXPECT_FALSE(two.taken_over());
+}
+
+TEST_F(LeaseTest, ATakerBeatenBeforeItHeardAnythingGivesInToo) {
+  MasterLink one(config(12, true)), two(config(13, true));
+  slave.receive(copy(one.hello_due(now)), now);
+  slave.receive(copy(two.hello_due(now)), now);
+  leader = &two;
+  run(1s, {&one, &two});
+  EXPECT_TRUE(leads(two));
+  EXPECT_TRUE(one.taken_over());
+}
+
+// The taker that led once is as any other: after the slave's restart it takes over no more.
+TEST_F(LeaseTest, ATakeOverIsForOneTime) {
+  MasterLink taker(config(12, true));
+  run(100ms, {&taker});
+  ASSERT_TRUE(leads(taker));
+  SlaveLink restarted({.session = 22, .scene_hash = kScene});
+  now += 1s;
+  ASSERT_EQ(restarted.receive(copy(second.hello_due(now)), now), Verdict::accepted);
+  ASSERT_EQ(restarted.receive(copy(taker.hello_due(now)), now), Verdict::leased);
+  taker.receive(copy(restarted.answer()), now);
+  EXPECT_TRUE(taker.encode({}, now).empty());
+  EXPECT_FALSE(taker.taken_over());
+  now += 501ms;
+  ASSERT_EQ(restarted.receive(copy(taker.hello_due(now)), now), Verdict::accepted);
+  EXPECT_EQ(taker.receive(copy(restarted.hello_due(now)), now), Verdict::accepted);
+  EXPECT_EQ(restarted.receive(copy(taker.encode({}, now)), now), Verdict::accepted);
+}
+
+// What waited is too late to move anything, but shows that the leader lives.
+TEST_F(LeaseTest, ASlaveThatSleptKeepsItsMaster) {
+  run(100ms, {&master, &second});
+  std::vector<Bytes> queue;
+  for (const TimePoint end = now + 2s; now < end; now += 1ms)
+    for (MasterLink* m : {&master, &second})
+      for (const Bytes& datagram : {copy(m->encode({}, now)), copy(m->hello_due(now))})
+        if (!datagram.empty()) queue.push_back(datagram);
+  for (const Bytes& datagram : queue) slave.receive(datagram, now);
+  EXPECT_GT(slave.counters()[Verdict::too_late], 1800u);
+  EXPECT_EQ(slave.counters()[Verdict::leased], 21u);
+  run(10ms, {&master, &second});
+  EXPECT_TRUE(leads(master));
+}
+
+TEST_F(LeaseTest, ARefusalThatComesAfterTheLeaseIsOfThePast) {
+  run(100ms, {&master});
+  slave.receive(copy(second.hello_due(now)), now);
+  const Bytes refusal = copy(slave.answer());
+  run(700ms, {&second});
+  ASSERT_TRUE(leads(second));
+  EXPECT_EQ(second.receive(refusal, now), Verdict::older);
+  EXPECT_TRUE(leads(second));
+}
+
+TEST_F(LeaseTest, AnAnswerToAnotherMasterIsNotHeard) {
+  run(100ms, {&master});
+  slave.receive(copy(second.hello_due(now)), now);
+  EXPECT_EQ(master.receive(copy(slave.answer()), now), Verdict::other_recipient);
+  EXPECT_EQ(second.receive(copy(slave.hello_due(now + 1h)), now), Verdict::other_recipient);
 }
 
 TEST_F(LinkTest, StampsGiveTheRoundTripTheAgeAndTheOffset) {
@@ -291,8 +569,10 @@ struct World {
   template <typename To>
   void deliver(Impairment& network, To& to) {
     std::array<std::byte, kMaxDatagramBytes> buffer;
-    while (network.next_due() && *network.next_due() <= now)
+    while (network.next_due() && *network.next_due() <= now) {
       to.receive(network.pop(now, buffer), now);
+      if (!to.answer().empty()) up.push(to.answer(), now);  // a slave's
+    }
   }
   template <typename From>
   void offer(From& from, Impairment& network) {
@@ -335,7 +615,7 @@ TEST(LinkOverABadNetwork, ARestartOfEitherSideReconnects) {
       const LinkConfig config{.session = 100 + restart, .scene_hash = kScene};
       if (restart % 3 != 1) master.emplace(config);  // alone, or both at once
       if (restart % 3 != 0) slave.emplace(LinkConfig{200 + restart, kScene});
-      world.run(*master, *slave, 1s);
+      world.run(*master, *slave, 1500ms);  // the old master's lease is 500 ms of it
       ASSERT_TRUE(well()) << "seed " << seed << " restart " << restart;
     }
   }
@@ -361,15 +641,43 @@ TEST(LinkOverABadNetwork, LossesAndReorderingAreTheNetworks) {
   }
 }
 
+// The networks of a bench for compensation methods: round trips to 400 ms with any jitter, a step
+// of the round trip from 50 to 200 ms, loss. None is too late but what waits in the queue of a line
+// that is too thin.
+TEST(LinkOverABadNetwork, NothingIsTooLateButBehindAThinLine) {
+  const auto too_late = [](const ImpairmentConfig& config) {
+    World world(config, 1);
+    MasterLink master({.session = 1, .scene_hash = kScene});
+    SlaveLink slave({.session = 2, .scene_hash = kScene});
+    world.run(master, slave, 5s);
+    return slave.counters()[Verdict::too_late] + master.counters()[Verdict::too_late];
+  };
+  for (const double way : {0., 2.5, 5., 10., 25., 50., 100., 200.})
+    for (const double loss : {0., 0.1}) {
+      ImpairmentConfig c{.delay_ms = way, .loss_ratio = loss};
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.jitter_ms = way / 10;
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.spike_ms = 50;
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.delay_drift_ms_per_s = way / 600;
+      EXPECT_EQ(too_late(c), 0u) << way;
+    }
+  EXPECT_EQ(too_late({.delay_ms = 25, .step_ms = 75, .step_at_s = 1, .step_length_s = 2}), 0u);
+  EXPECT_GT(too_late({.delay_ms = 25, .spike_ms = 150}), 0u);
+  EXPECT_GT(too_late({.delay_ms = 25, .cap_kbit_per_s = 200}), 0u);
+}
+
 TEST(LinkOverABadNetwork, ABlackoutEndsByItself) {
   World world({.delay_ms = 10}, 1);
   MasterLink master({.session = 1, .scene_hash = kScene});
   SlaveLink slave({.session = 2, .scene_hash = kScene});
   world.run(master, slave, 1s);
-  world.now += 5s;  // what was under way arrives late, nothing was sent meanwhile
+  world.now += 5s;  // what was under way arrives too late, nothing was sent meanwhile
   world.run(master, slave, 100ms);
   EXPECT_TRUE(master.fresh(world.now, 2ms) && slave.fresh(world.now, 2ms));
-  EXPECT_EQ(slave.quality().lost, 0u);
+  EXPECT_EQ(slave.quality().lost, 10u);  // those of 10 ms
+  EXPECT_EQ(slave.counters()[Verdict::too_late], 10u);
   EXPECT_EQ(slave.clock().offset, 0s);
 }
 

@@ -326,7 +326,7 @@ TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
       "description",         "seed",           "duration_s",
       "master.sim_hand",     "slave.sim_arm",  "link.slave_address",
       "link.master_address", "link.insecure",  "link.key_file",
-      "link.to_slave",       "link.to_master", "master.realtime",
+      "link.to_slave",       "link.to_master", "link.observer_address", "master.realtime",
       "slave.realtime"};
   std::set<std::string> found;
   for (const Chain& chain : all_chains())

@@ -14,6 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
+const UdpAddress kSecondAddress = test_address(5);
 const Key kKey = test_key(1), kOtherKey = test_key(2);
 
 // One end, as a loop of 1 kHz with a service every 5 ms would drive it; each turn sends a record.
@@ -24,12 +25,14 @@ struct End {
   void receive(std::span<const std::byte> datagram, const UdpAddress& from) {
     if (channel.take(datagram, from)) return;
     const Opened got = channel.open(datagram, payload);
+    if (got.verdict == Verdict::accepted && takes_all) channel.settle();
     ++(got.verdict == Verdict::accepted ? accepted : refused);
     ++verdicts[static_cast<std::size_t>(got.verdict)];
   }
 
   SecureChannel channel;
   Bytes payload = Bytes(kMaxPayloadBytes);
+  bool takes_all = true;  // as a link that accepts whatever is opened
   std::uint64_t accepted = 0, refused = 0;
   std::array<std::uint64_t, kVerdicts> verdicts{};
 };
@@ -43,8 +46,10 @@ class SecureChannelTest : public testing::Test {
   }
   void send(End& from, End& to, const UdpAddress& from_address) {
     if (&from == mute || &to == mute) return;
-    while (const DtlsOutgoing* out = from.channel.outgoing())
-      if (!lost()) to.receive(out->datagram(), from_address);
+    while (const DtlsOutgoing* out = from.channel.outgoing()) {
+      End& there = second && out->to == kSecondAddress ? *second : to;
+      if (!lost()) there.receive(out->datagram(), from_address);
+    }
     Bytes record(kMaxDatagramBytes);
     record.resize(from.channel.seal(payload, record));
     if (record.empty()) return;
@@ -70,8 +75,9 @@ class SecureChannelTest : public testing::Test {
   TimePoint now{seconds(3600)};
   UdpAddress client_address = kClientAddress;
   std::unique_ptr<End> client, server;
-  End* mute = nullptr;  // nothing from it or to it
-  double loss = 0;      // share of all datagrams
+  std::unique_ptr<End> second;  // another client, if any
+  End* mute = nullptr;          // nothing from it or to it
+  double loss = 0;              // share of all datagrams
   Random random{1};
   const Bytes payload = some_payload(1);
   Bytes last;
@@ -154,6 +160,40 @@ TEST_F(SecureChannelTest, TheOldSessionIsOverWhenTheNewOneStands) {
     server->receive(late, kClientAddress);
     ASSERT_EQ(server->accepted, before);
   }
+}
+
+// The link refuses a second master: it is heard and answered, and the first one does not notice.
+TEST_F(SecureChannelTest, ASecondClientWaitsBesideTheFirstUntilItIsTaken) {
+  ASSERT_TRUE(both_heard_in(milliseconds(100)));
+  server->takes_all = false;
+  restart(second, true, kKey);
+  for (int i = 0; i < 20; ++i) {
+    run(milliseconds(5));
+    second->channel.service(now);
+    send(*second, *server, kSecondAddress);
+  }
+  const auto heard = server->accepted;
+  send(*second, *server, kSecondAddress);
+  ASSERT_EQ(server->accepted, heard + 1);
+  Bytes answer(kMaxDatagramBytes);
+  answer.resize(server->channel.seal_answer(payload, answer));
+  const auto answered = second->accepted;
+  second->receive(answer, kServerAddress);
+  EXPECT_EQ(second->accepted, answered + 1);
+  EXPECT_TRUE(both_heard_in(milliseconds(100)));  // what the server says goes to the first
+
+  send(*second, *server, kSecondAddress);
+  server->channel.settle();
+  const auto first = client->accepted;
+  EXPECT_FALSE(both_heard_in(milliseconds(100)));
+  EXPECT_EQ(client->accepted, first);
+  Bytes record(kMaxDatagramBytes);
+  record.resize(server->channel.seal(payload, record));
+  second->receive(record, kServerAddress);
+  EXPECT_EQ(second->accepted, answered + 2);
+  const auto after = server->accepted;
+  for (int i = 0; i < 10; ++i) send(*client, *server, kClientAddress);
+  EXPECT_EQ(server->accepted, after);  // the old connection is over
 }
 
 TEST_F(SecureChannelTest, DataBeforeAConnectionIsRefusedByName) {

@@ -25,7 +25,7 @@ Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
     : loop_(master_loop_config(scene.proto)),
       master_(master_config(scene.proto)),
       device_(device_of(scene, options)),
-      link_({.session = 1, .scene_hash = scene.shared_hash, .silence = loop_.lost}),
+      link_(link_config(scene, 1)),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
   if (scene.proto.has_slave()) slave_.emplace(scene, options.seed.value_or(scene.proto.seed()));
 }
@@ -34,7 +34,7 @@ Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
     : loop(slave_loop_config(scene.proto)),
       slave(slave_config(scene.proto)),
       robot(make_robot(scene.proto, stream(seed, kRobotStream))),
-      link({.session = 2, .scene_hash = scene.shared_hash, .silence = loop.lost}),
+      link(link_config(scene, 2)),
       to_slave(to_slave_config(scene.proto.link()), stream(seed, kToSlaveStream)),
       to_master(to_master_config(scene.proto.link()), stream(seed, kToMasterStream)),
       phase(loop.period, kStart + loop.period / 2) {}
@@ -65,19 +65,23 @@ TimePoint Loopback::next_event() const noexcept {
   TimePoint at = cut_off_ ? *cut_off_ : next_sample_;
   if (!slave_) return at;
   at = std::min(at, slave_due());
-  if (const auto due = slave_->to_slave.next_due()) at = std::min(at, *due);
+  if (const auto due = slave_->to_slave.next_due(); due && slave_->takes())
+    at = std::min(at, std::max(*due, slave_->stalled_until));
   if (const auto due = slave_->to_master.next_due()) at = std::min(at, *due);
   return std::max(at, now_);
 }
 
 TimePoint Loopback::slave_due() const noexcept {
-  return slave_->phase.due(slave_->arrival);
+  return std::max(slave_->phase.due(slave_->arrival), slave_->stalled_until);
 }
 
 void Loopback::deliver() noexcept {
-  for (auto d = slave_->to_slave.pop(now_, buffer_); !d.empty();
-       d = slave_->to_slave.pop(now_, buffer_))
-    slave_->link.receive(d, now_);
+  while (now_ >= slave_->stalled_until && slave_->takes()) {
+    const auto datagram = slave_->to_slave.pop(now_, buffer_);
+    if (datagram.empty()) break;
+    ++slave_->taken;
+    slave_->link.receive(datagram, now_);
+  }
   for (auto d = slave_->to_master.pop(now_, buffer_); !d.empty();
        d = slave_->to_master.pop(now_, buffer_))
     link_.receive(d, now_);
@@ -96,6 +100,7 @@ void Loopback::slave_tick() {
   push(s.to_master, s.link.encode(tick.out, now_));
   s.phase.ticked(now_, s.arrival);
   s.arrival.reset();
+  s.taken = 0;
   if (s.link.newest() != nullptr) s.ticked_sequence = s.link.newest()->sequence;
   on_slave(tick);
 }

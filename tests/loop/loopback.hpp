@@ -41,6 +41,9 @@ class Loopback {
   // While cut, nothing more enters the network; what is under way arrives.
   void cut(bool on) noexcept { cut_ = on; }
 
+  // For so long the slave neither ticks nor receives; then it takes what waits, a burst a tick.
+  void stall_slave(Duration length) noexcept { slave_->stalled_until = now_ + length; }
+
   // Runs to the end of the scene's duration.
   void run();
   // Runs up to `until`, exclusive.
@@ -83,6 +86,10 @@ class Loopback {
     PhaseLock phase;
     std::uint64_t ticked_sequence = 0;
     std::optional<TimePoint> arrival;  // of the newest message no tick has used
+    TimePoint stalled_until{};
+    int taken = 0;  // datagrams since the last tick
+
+    bool takes() const noexcept { return taken < SlaveLoop::kBurst; }
   };
 
   void push(Impairment& network, std::span<const std::byte> datagram) noexcept;

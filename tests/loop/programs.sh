@@ -1,6 +1,6 @@
 # What the tests that run the programs as processes share; sourced. Wants `bin`, and puts at_NAME before the command of
 # farhand-NAME, so that a test may run it elsewhere. What it says is in $dir/NAME.
-at_master=() at_slave=() at_impair=()
+at_master=() at_slave=() at_impair=() at_observe=()
 dir="$(mktemp -d)"
 passed=0
 trap 'kill -9 $(jobs -p) 2>/dev/null || true; rm -rf "$dir"' EXIT
@@ -8,17 +8,19 @@ trap 'kill -9 $(jobs -p) 2>/dev/null || true; rm -rf "$dir"' EXIT
 # SIGKILL is part of the tests: bash need not tell.
 set +m
 # start NAME ARGUMENT...: farhand-NAME in the background; $NAME becomes its process.
-start() {
-  local name="$1"
+start() { start_as "$1" "$@"; }
+# start_as LABEL NAME ARGUMENT...: the same under another label, for a second one.
+start_as() {
+  local label="$1" name="$2"
   local -n at="at_$name"
-  shift
-  "${at[@]}" "$bin/farhand-$name" "$@" >"$dir/$name" 2>&1 &
-  printf -v "$name" %d $!
+  shift 2
+  "${at[@]}" "$bin/farhand-$name" "$@" >"$dir/$label" 2>&1 &
+  printf -v "$label" %d $!
 }
 
 fail() {
   echo "FAILED: $*"
-  tail -n 30 "$dir"/{master,slave,impair} 2>/dev/null
+  tail -n 30 "$dir"/{master,second,slave,impair,observe} 2>/dev/null
   exit 1
 }
 pass() {
