@@ -51,8 +51,7 @@ void MasterLoop::turn() noexcept {
   record_ = &recorder_.slot();
   LoopTiming& timing = record_->timing;
   timing = {};
-  sleep_until(next_);
-  const TimePoint begin = monotonic_now();
+  const TimePoint begin = wake();
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
@@ -72,8 +71,19 @@ void MasterLoop::turn() noexcept {
   timing.compute = (sent - sampled) + (decided - acting);
   timing.link = waiting - sent;
   timing.wait = acting - waiting;
+  timing.answered = link_ != nullptr && answered();
   timing.write = end - decided;
   finish(end, end - begin - timing.wait);
+}
+
+// The wait for the answer finds its timer set; only a late turn has to set it anew.
+TimePoint MasterLoop::wake() noexcept {
+  if (socket_ != nullptr) socket_->set_deadline(next_ + config_.cut_off);
+  sleep_until(next_);
+  const TimePoint begin = monotonic_now();
+  if (socket_ != nullptr && begin - next_ > config_.cut_off / 4)
+    socket_->set_deadline(begin + config_.cut_off);
+  return begin;
 }
 
 // Overruns are judged against the next period's begin; periods that were missed altogether are left
@@ -103,12 +113,12 @@ Peer<SlaveToMaster> MasterLoop::slave(TimePoint now) const noexcept {
 
 void MasterLoop::send(const MasterToSlave& message) noexcept {
   if (link_ == nullptr) return;
-  send_handshake(link_->secure(), *socket_);
   const TimePoint now = monotonic_now();
   socket_->send(link_->hello_due(now));
   const auto datagram = link_->encode(message, now);
   if (!datagram.empty()) sent_sequence_ = link_->sequence();
   socket_->send(datagram);
+  send_handshake(link_->secure(), *socket_);
 }
 
 bool MasterLoop::answered() const noexcept {
@@ -117,8 +127,11 @@ bool MasterLoop::answered() const noexcept {
 
 void MasterLoop::await_answer(TimePoint until) noexcept {
   if (link_ == nullptr) return;
-  receive();
-  while (!answered() && monotonic_now() < until && socket_->wait_readable(until)) receive();
+  bool waits = !answered();  // or nothing was sent
+  do {
+    waits = waits && monotonic_now() < until && socket_->wait_readable();
+    receive();
+  } while (waits && !answered());
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.

@@ -44,6 +44,7 @@ class MasterLoop {
 
  private:
   Peer<SlaveToMaster> slave(TimePoint now) const noexcept;
+  TimePoint wake() noexcept;
   void send(const MasterToSlave& message) noexcept;
   void await_answer(TimePoint until) noexcept;
   void receive() noexcept;

@@ -81,8 +81,9 @@ std::optional<TimePoint> SlaveLoop::await_message() noexcept {
     return newest->received;
   };
   sleep_until(phase_.earliest());
+  socket_.set_deadline(phase_.deadline());  // before the message can be there
   receive();
-  for (TimePoint due = phase_.due(unused()); monotonic_now() < due && socket_.wait_readable(due);
+  for (TimePoint due = phase_.due(unused()); monotonic_now() < due && socket_.wait_readable();
        due = phase_.due(unused()))
     receive();
   const auto arrival = unused();
@@ -105,10 +106,10 @@ void SlaveLoop::receive() noexcept {
 }
 
 void SlaveLoop::send() noexcept {
-  send_handshake(link_.secure(), socket_);
   const TimePoint now = monotonic_now();
   socket_.send(link_.hello_due(now));
   socket_.send(link_.encode(record_->tick.out, now));
+  send_handshake(link_.secure(), socket_);  // last: strangers make it long
 }
 
 }  // namespace farhand
