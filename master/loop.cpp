@@ -94,7 +94,7 @@ void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
   next_ += config_.period;
   if (end > next_) {
     timing.overrun = true;
-    // An answer awaited beyond the cut-off is the machine's doing too: ppoll came back late.
+    // An answer awaited beyond the cut-off is the machine's doing too: the wait came back late.
     const Duration overslept = std::max(timing.wait - config_.cut_off, Duration(0));
     const auto shares = split_.split(end - next_, timing.woken_late + overslept);
     timing.overrun_own = shares.own;

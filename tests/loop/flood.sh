@@ -35,19 +35,21 @@ while_running() {
   held="$(($(count master 'ENGAGED -> ') + $(count slave 'ENGAGED -> ')))"
   interrupted=$((interrupted + held))
   end INT master slave
-  line="$(printf '%9s mm %6s mm %6s %10s %6s %10s us %8s us' "$(told slave 'tracking free *')" "$(told slave 'mm rms *')" \
-    "$held" "$(told slave overruns)" "$(told slave lost)" "$(row master 'motion to force' 3)" "$(row master 'motion to force' 2)")"
+  line="$(printf '%9s mm %6s mm %6s %10s %6s %10s us %8s us %10.1f ms' "$(told slave 'tracking free *')" "$(told slave 'mm rms *')" \
+    "$held" "$(told slave overruns)" "$(told slave lost)" "$(row master 'motion to force' 3)" "$(row master 'motion to force' 2)" \
+    "$({ row master 'woken late' 0; row slave 'woken late' 0; } | sort -g | awk 'END { print $1 / 1000 }')")"
 }
 
 interrupted=0
 echo "$seconds s each, $rate datagrams a second"
-printf '%-20s %22s %6s %10s %6s %24s\n' '' 'tracking rms, peak' held overruns lost 'motion to force p50, p99'
+printf '%-20s %22s %6s %10s %6s %24s %13s\n' '' 'tracking rms, peak' held overruns lost 'motion to force p50, p99' 'worst wake-up'
 while_running sleep "$seconds"
 quiet="$cost"
 printf '%-20s %s\n' 'left alone' "$line"
 for kind in noise record hello; do
   while_running "$bin/farhand-flood" --to "127.0.0.1:$port" --kind "$kind" --rate "$rate" --duration "$seconds"
-  read -r said bytes heard data < <(sed -E 's/said ([0-9]+) .* ([0-9]+) bytes; heard [0-9]+, ([0-9]+) bytes, data ([0-9]+)/\1 \2 \3 \4/' "$dir/flood")
+  read -r bytes heard data < <(flood_bytes)
+  said="$(told flood said)"
   printf '%-20s %s   %.2f us a datagram, %s said, dropped %s, %s bytes back for %s\n' "$kind to the slave" "$line" \
     "$(awk -v a="$cost" -v b="$quiet" -v n="$said" 'BEGIN { print (a - b) * 1000 / n }')" "$said" "$(told slave dropped)" "$heard" "$bytes"
   ((heard <= bytes && data == 0)) || fail "the stranger got $heard bytes for $bytes, $data records of data"
