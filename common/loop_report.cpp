@@ -25,6 +25,8 @@ void LoopReport::add(const LoopTiming& t, const LinkStatus& status) noexcept {
   write.add(t.write);
   busy.add(t.read + t.compute + t.link + t.write);
   if (status.round_trip_known) round_trip.add(status.round_trip);
+  if (t.answered) motion_to_force.add(t.compute + t.link + t.wait);
+  ++ticks;
   overruns += t.overrun ? 1 : 0;
   overrun_own += t.overrun_own;
   overrun_machine += t.overrun_machine;
@@ -41,6 +43,9 @@ std::string LoopReport::table() const {
   out += row("write device", write);
   out += row("busy, whole tick", busy);
   out += row("round trip", round_trip);
+  out += row("motion to force", motion_to_force);
+  if (motion_to_force.count() > 0)
+    out += fmt::format("  answered within the tick {} of {}\n", motion_to_force.count(), ticks);
   out += fmt::format(
       "  overruns {} (late by our own CPU time {:.1f} us, by the machine {:.1f} us in all)\n",
       overruns, us(overrun_own), us(overrun_machine));

@@ -49,7 +49,8 @@ LinkStatus link_status(const L& link, std::uint64_t not_sent) noexcept {
 
 struct LoopReport {
   Histogram woken_late, read, compute, link, write, busy, round_trip;
-  std::uint64_t overruns = 0;
+  Histogram motion_to_force;  // of answered samples, the own device not counted
+  std::uint64_t ticks = 0, overruns = 0;
   Duration overrun_own{}, overrun_machine{};
   LinkStatus last;
 

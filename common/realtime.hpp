@@ -75,6 +75,7 @@ struct LoopTiming {
   Duration link{};        // encode, send, receive, decode
   Duration wait{};        // for the answer, not busy
   Duration write{};
+  bool answered = false;  // the wait brought the answer to this very sample
   bool overrun = false;
   Duration overrun_own{};
   Duration overrun_machine{};

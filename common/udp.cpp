@@ -2,6 +2,8 @@
 
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
@@ -50,13 +52,17 @@ std::string bind_remedy(const error_code& ec) {
   return "choose an address of this host, or 0.0.0.0 for all of them";
 }
 
+timespec to_timespec(Duration d) noexcept {
+  const auto whole = std::chrono::floor<std::chrono::seconds>(d);
+  return {.tv_sec = static_cast<time_t>(whole.count()),
+          .tv_nsec = static_cast<long>((d - whole).count())};
+}
+
 bool poll_until(std::span<pollfd> fds, TimePoint deadline) noexcept {
   for (;;) {
     const TimePoint now = std::chrono::steady_clock::now();
     const Duration left = std::max(deadline - now, Duration::zero());
-    const auto whole = std::chrono::floor<std::chrono::seconds>(left);
-    const timespec timeout{.tv_sec = static_cast<time_t>(whole.count()),
-                           .tv_nsec = static_cast<long>((left - whole).count())};
+    const timespec timeout = to_timespec(left);
     const int ready = ppoll(fds.data(), fds.size(), &timeout, nullptr);
     if (ready > 0) return true;
     if (ready == 0 && left == Duration::zero()) return false;
@@ -97,6 +103,12 @@ struct UdpSocket::State {
   udp::endpoint peer_endpoint;
   bool fixed = false;
   UdpCounters counters;
+  int timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() { close(timer); }
 
   // Sends from whatever address this host now has towards the peer.
   void reconnect(error_code& ec) noexcept {
@@ -113,6 +125,7 @@ UdpSocket::UdpSocket(const UdpAddress& local, const std::optional<UdpAddress>& f
   error_code ec;
   s.socket.open(at.protocol(), ec);
   if (!ec) s.socket.non_blocking(true, ec);
+  if (!ec && s.timer < 0) ec = error_code(errno, boost::system::system_category());
   if (ec) refuse("open a socket for", local, ec, "check that this host has such a network");
   s.socket.bind(at, ec);
   if (ec) refuse("bind", local, ec, bind_remedy(ec));
@@ -223,6 +236,22 @@ bool UdpSocket::spin_readable(TimePoint deadline) noexcept {
   while (!wait_readable(kAtOnce))
     if (std::chrono::steady_clock::now() >= deadline) return false;
   return true;
+}
+
+// A deadline that is over is never the epoch, which would stop the timer.
+void UdpSocket::set_deadline(TimePoint deadline) noexcept {
+  const Duration since = std::max(deadline.time_since_epoch(), Duration(1));
+  const itimerspec at{.it_interval = {}, .it_value = to_timespec(since)};
+  timerfd_settime(state_->timer, TFD_TIMER_ABSTIME, &at, nullptr);
+}
+
+bool UdpSocket::wait_readable() noexcept {
+  std::array<pollfd, 2> fds{
+      pollfd{.fd = state_->socket.native_handle(), .events = POLLIN, .revents = 0},
+      pollfd{.fd = state_->timer, .events = POLLIN, .revents = 0}};
+  while (poll(fds.data(), fds.size(), -1) < 0) {
+  }
+  return fds[0].revents != 0;
 }
 
 bool UdpSocket::wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept {

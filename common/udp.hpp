@@ -79,7 +79,12 @@ class UdpSocket {
   // The same without sleeping: asks again and again, and keeps the processor busy.
   bool spin_readable(TimePoint deadline) noexcept;
 
-  // The same for either of two.
+  // The same with a deadline set ahead, for a loop that answers as soon as something comes: the
+  // wait itself then starts and ends no timer. Without one it waits for something to receive.
+  void set_deadline(TimePoint deadline) noexcept;
+  bool wait_readable() noexcept;
+
+  // The same as the first for either of two.
   static bool wait_readable(UdpSocket& a, UdpSocket& b, TimePoint deadline) noexcept;
 
   std::size_t receive_buffer() const noexcept;  // bytes, as the kernel counts them; 0: unknown

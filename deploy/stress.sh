@@ -1,15 +1,32 @@
 #!/usr/bin/env bash
 # The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each), 10^4
 # cuts of the link: about an hour on one core. `stress.sh hosts` is the other one: both programs on two hosts through every harm
-# fifty times, some 90 minutes; with a number, as often as that.
+# fifty times, some 90 minutes; with a number, as often as that. `stress.sh flood` is a teleoperation flooded by a stranger, 30 s of
+# each kind; with a number, so many seconds, and with a second one so many datagrams a second. `stress.sh fuzz` runs each fuzz
+# target for ten minutes; with a number, so many seconds. What it finds is in build/fuzz.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 deploy/install.sh --tests
+if [[ "${1:-}" == fuzz ]]; then
+  cmake --preset fuzz -DFARHAND_TESTS=ON >/dev/null
+  cmake --build --preset fuzz
+  for target in build/fuzz/bin/*_fuzz; do
+    name="$(basename "$target" _fuzz)"
+    mkdir -p "build/fuzz/corpus/$name"
+    echo "== $name"
+    "$target" "build/fuzz/corpus/$name" -max_total_time="${2:-600}" -artifact_prefix="build/fuzz/$name-" -print_final_stats=1
+  done
+  exit
+fi
 cmake --preset release -DFARHAND_TESTS=ON >/dev/null
 if [[ "${1:-}" == hosts ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-impair
   exec tests/loop/two_hosts.sh build/release/bin "${2:-50}"
+fi
+if [[ "${1:-}" == flood ]]; then
+  cmake --build --preset release --target farhand-master farhand-slave farhand-keygen farhand-flood
+  exec tests/loop/flood.sh build/release/bin "${2:-30}" "${3:-20000}"
 fi
 cmake --build --preset release --target stress_ticks_test stress_controllers_test loop_link_cut_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test

@@ -51,8 +51,7 @@ void MasterLoop::turn() noexcept {
   record_ = &recorder_.slot();
   LoopTiming& timing = record_->timing;
   timing = {};
-  sleep_until(next_, config_.spin);
-  const TimePoint begin = monotonic_now();
+  const TimePoint begin = wake();
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
@@ -72,8 +71,19 @@ void MasterLoop::turn() noexcept {
   timing.compute = (sent - sampled) + (decided - acting);
   timing.link = waiting - sent;
   timing.wait = acting - waiting;
+  timing.answered = link_ != nullptr && answered();
   timing.write = end - decided;
   finish(end, end - begin - timing.wait);
+}
+
+// The wait for the answer finds its timer set; only a late turn has to set it anew.
+TimePoint MasterLoop::wake() noexcept {
+  if (socket_ != nullptr) socket_->set_deadline(next_ + config_.cut_off);
+  sleep_until(next_, config_.spin);
+  const TimePoint begin = monotonic_now();
+  if (socket_ != nullptr && begin - next_ > config_.cut_off / 4)
+    socket_->set_deadline(begin + config_.cut_off);
+  return begin;
 }
 
 // Overruns are judged against the next period's begin; periods that were missed altogether are left
@@ -84,7 +94,7 @@ void MasterLoop::finish(TimePoint end, Duration busy) noexcept {
   next_ += config_.period;
   if (end > next_) {
     timing.overrun = true;
-    // An answer awaited beyond the cut-off is the machine's doing too: ppoll came back late.
+    // An answer awaited beyond the cut-off is the machine's doing too: the wait came back late.
     const Duration overslept = std::max(timing.wait - config_.cut_off, Duration(0));
     const auto shares = split_.split(end - next_, timing.woken_late + overslept);
     timing.overrun_own = shares.own;
@@ -103,12 +113,12 @@ Peer<SlaveToMaster> MasterLoop::slave(TimePoint now) const noexcept {
 
 void MasterLoop::send(const MasterToSlave& message) noexcept {
   if (link_ == nullptr) return;
-  send_handshake(link_->secure(), *socket_);
   const TimePoint now = monotonic_now();
   socket_->send(link_->hello_due(now));
   const auto datagram = link_->encode(message, now);
   if (!datagram.empty()) sent_sequence_ = link_->sequence();
   socket_->send(datagram);
+  send_handshake(link_->secure(), *socket_);
 }
 
 bool MasterLoop::taken_over() const noexcept {
@@ -122,12 +132,17 @@ bool MasterLoop::answered() const noexcept {
 void MasterLoop::await_answer(TimePoint until) noexcept {
   if (link_ == nullptr) return;
   const TimePoint spun = std::min(until, monotonic_now() + config_.spin);
-  receive();
-  while (!answered() && monotonic_now() < until && wait_readable(spun, until)) receive();
+  bool waits = !answered();  // or nothing was sent
+  do {
+    waits = waits && monotonic_now() < until && wait_readable(spun);
+    receive();
+  } while (waits && !answered());
 }
 
-bool MasterLoop::wait_readable(TimePoint spun, TimePoint until) noexcept {
-  return (monotonic_now() < spun && socket_->spin_readable(spun)) || socket_->wait_readable(until);
+// Until the deadline that wake() set.
+bool MasterLoop::wait_readable(TimePoint spun) noexcept {
+  const bool spins = config_.spin > Duration::zero() && monotonic_now() < spun;
+  return (spins && socket_->spin_readable(spun)) || socket_->wait_readable();
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.

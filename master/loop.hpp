@@ -45,9 +45,10 @@ class MasterLoop {
 
  private:
   Peer<SlaveToMaster> slave(TimePoint now) const noexcept;
+  TimePoint wake() noexcept;
   void send(const MasterToSlave& message) noexcept;
   void await_answer(TimePoint until) noexcept;
-  bool wait_readable(TimePoint spun, TimePoint until) noexcept;
+  bool wait_readable(TimePoint spun) noexcept;
   void receive() noexcept;
   bool answered() const noexcept;
   bool taken_over() const noexcept;

@@ -81,6 +81,7 @@ std::optional<TimePoint> SlaveLoop::await_message() noexcept {
     return newest->received;
   };
   sleep_until(phase_.earliest());
+  socket_.set_deadline(phase_.deadline());  // before the message can be there
   receive();
   for (TimePoint due = phase_.due(unused()); monotonic_now() < due && wait_readable(due);
        due = phase_.due(unused()))
@@ -90,6 +91,7 @@ std::optional<TimePoint> SlaveLoop::await_message() noexcept {
   return arrival;
 }
 
+// At most until the deadline that was set ahead.
 bool SlaveLoop::wait_readable(TimePoint until) noexcept {
   if (config_.spin > Duration::zero()) {
     const TimePoint begin = std::min(until, phase_.expected() - config_.spin);
@@ -97,7 +99,7 @@ bool SlaveLoop::wait_readable(TimePoint until) noexcept {
     if (monotonic_now() < begin && socket_.wait_readable(begin)) return true;
     if (monotonic_now() < end && socket_.spin_readable(end)) return true;
   }
-  return socket_.wait_readable(until);
+  return socket_.wait_readable();
 }
 
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only
@@ -115,10 +117,10 @@ void SlaveLoop::receive() noexcept {
 }
 
 void SlaveLoop::send() noexcept {
-  send_handshake(link_.secure(), socket_);
   const TimePoint now = monotonic_now();
   socket_.send(link_.hello_due(now));
   socket_.send(link_.encode(record_->tick.out, now));
+  send_handshake(link_.secure(), socket_);  // last: strangers make it long
 }
 
 }  // namespace farhand

@@ -118,6 +118,26 @@ TEST(UdpSocket, SpinsUntilSomethingComesOrTheDeadline) {
   EXPECT_TRUE(a.spin_readable(clock_now() + 5s));
 }
 
+TEST(UdpSocket, ADeadlineSetAheadEndsTheWaitUnlessSomethingComes) {
+  UdpSocket a(kAnyPort), b(kAnyPort, a.local());
+  Buffer buffer;
+  const TimePoint deadline = clock_now() + 3ms;
+  a.set_deadline(deadline);
+  EXPECT_FALSE(a.wait_readable());
+  EXPECT_GE(clock_now(), deadline);  // not before
+  EXPECT_FALSE(a.wait_readable());   // it stays over
+
+  a.set_deadline(clock_now() + 1h);
+  ASSERT_TRUE(b.send(pattern(10)));
+  EXPECT_TRUE(a.wait_readable());
+  EXPECT_TRUE(a.receive(buffer).has_value());
+
+  a.set_deadline(TimePoint{});  // long over
+  EXPECT_FALSE(a.wait_readable());
+  ASSERT_TRUE(b.send(pattern(10)));
+  EXPECT_TRUE(a.wait_readable());  // what is there counts, over or not
+}
+
 TEST(UdpSocket, WithoutAPeerNothingIsSent) {
   UdpSocket a(kAnyPort);
   EXPECT_FALSE(a.send(pattern(10)));

@@ -56,6 +56,8 @@ engaged_only_by_a_press() {
   done
   return 0
 }
+# What farhand-flood said it gave and got, in bytes, and the records of data among it.
+flood_bytes() { sed -E 's/.* ([0-9]+) bytes; heard [0-9]+, ([0-9]+) bytes, data ([0-9]+)/\1 \2 \3/' "$dir/flood"; }
 # Neither side got anywhere but to its end.
 stayed_apart() {
   for name in master slave; do

@@ -180,6 +180,8 @@ TEST_F(Guard, LetsThroughWhatATurnNeeds) {
               std::array<std::byte, 4> bytes{};
               socket.send(bytes);
               socket.wait_readable(monotonic_now());
+              socket.set_deadline(monotonic_now());
+              socket.wait_readable();
               socket.receive(bytes);
               sleep_until(monotonic_now() + std::chrono::microseconds(1));
               OverrunSplit().split({}, {});

@@ -196,6 +196,18 @@ end INT observe slave
 pass "who has no key sees nothing"
 
 start_slave "$one"
+start_master "$one"
+wait_for slave 'READY -> ENGAGED' 1
+"$bin/farhand-flood" --to "127.0.0.1:$port" --duration 2 >"$dir/flood" || fail "$(cat "$dir/flood")"
+before="$(count slave 'READY -> ENGAGED')"
+wait_for slave 'READY -> ENGAGED' $((before + 1))
+engaged_only_by_a_press
+end INT master slave
+read -r said heard data < <(flood_bytes)
+((heard > 0 && heard <= said && data == 0)) || fail "a stranger got $heard bytes for $said, $data records of data"
+pass "a flood of 20 000 datagrams a second: a stranger gets fewer bytes than it gives ($heard for $said), no record of data, and motion goes on"
+
+start_slave "$one"
 start_master "$(keyed two)"
 wait_for master 'the slave has another key than this side' 1
 wait_for slave 'a master that would connect has another key' 1

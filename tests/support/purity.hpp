@@ -5,6 +5,7 @@
 //
 // System calls are stopped by a seccomp filter of the guarded thread alone. It lets through
 //   sendto, sendmsg, recvfrom, recvmsg, poll, ppoll   the socket
+//   timerfd_settime                                   the deadline of its wait
 //   clock_nanosleep                                   the wait for the period's begin
 //   clock_gettime(CLOCK_THREAD_CPUTIME_ID)            whose fault an overrun was, once per overrun
 //   exit_group                                        the end of the test
@@ -74,8 +75,9 @@ inline void on_bad_system_call(int, siginfo_t* info, void*) {
 }
 
 inline auto system_call_filter() noexcept {
-  constexpr std::array kAllowed = {SYS_sendto, SYS_sendmsg, SYS_recvfrom,        SYS_recvmsg,
-                                   SYS_poll,   SYS_ppoll,   SYS_clock_nanosleep, SYS_exit_group};
+  constexpr std::array kAllowed = {
+      SYS_sendto, SYS_sendmsg,         SYS_recvfrom,        SYS_recvmsg,   SYS_poll,
+      SYS_ppoll,  SYS_timerfd_settime, SYS_clock_nanosleep, SYS_exit_group};
   const auto load = [](std::size_t offset) {
     return sock_filter(BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<unsigned>(offset)));
   };
