@@ -124,9 +124,22 @@ void ClockSync::fit() noexcept {
   fitted_ = true;
 }
 
-ClockEstimate ClockSync::estimate() const noexcept {
+ClockSync::Floors ClockSync::floors() const noexcept {
   Floors all = window_;
   if (has_open_) all.lower(floors(open_));
+  return all;
+}
+
+Duration ClockSync::lateness(const Exchange& x) const noexcept {
+  const Floors all = floors();
+  if (all.empty) return Duration::zero();
+  const Duration back = at_origin({x.t4, x.t4 - x.t3}, -1) - all.backward;
+  const Duration round_trip = x.t4 - x.t1 - (x.t3 - x.t2) - all.round_trip;
+  return std::min(back, round_trip);
+}
+
+ClockEstimate ClockSync::estimate() const noexcept {
+  const Floors all = floors();
   if (all.empty) return {};
   const double ahead = drift_ * nanoseconds(last_ - origin_);
   const double aged = drift_uncertainty_ * nanoseconds(last_ - all.since);

@@ -64,6 +64,10 @@ class ClockSync {
   void add(const Exchange& x) noexcept;
   void clear() noexcept { *this = {}; }
   ClockEstimate estimate() const noexcept;
+  // How much longer the way here took than the fastest of the window: by the stamps t3 and t4, or
+  // by the round trip if that says less, since a clock's step shows in the first alone and a slow
+  // way there in the second alone. 0 while no exchange is in the window.
+  Duration lateness(const Exchange& x) const noexcept;
 
  private:
   struct Sample {
@@ -88,6 +92,7 @@ class ClockSync {
 
   Duration at_origin(const Sample& s, double sign) const noexcept;
   Floors floors(const Grain& g) const noexcept;
+  Floors floors() const noexcept;  // of all of the window
   void close(std::int64_t next) noexcept;
   void append(Grain grain) noexcept;
   void forget() noexcept;

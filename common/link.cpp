@@ -29,6 +29,14 @@ Duration duration(std::uint64_t stamp) noexcept {
   return Duration(static_cast<Duration::rep>(stamp));
 }
 
+Exchange exchange(const Header& header, TimePoint now) noexcept {
+  const Duration sent = duration(header.sent);
+  return {.t1 = duration(header.echo_sent),
+          .t2 = sent - duration(header.echo_hold),
+          .t3 = sent,
+          .t4 = now.time_since_epoch()};
+}
+
 }  // namespace
 
 std::uint64_t LinkCounters::dropped() const noexcept {
@@ -129,6 +137,7 @@ void Link<Out, In>::take_over(const Hello& hello) noexcept {
   peer_ = hello;
   window_ = {};
   clock_.clear();
+  late_since_.reset();
   newest_.reset();
   next_hello_.reset();  // it waits for ours
   lost_before_ = quality_.lost;
@@ -151,6 +160,7 @@ Verdict Link<Out, In>::on_data(std::span<const std::byte> payload, TimePoint now
   if (header.echo_sequence > sequence_ || header.echo_sent > stamp(now.time_since_epoch()))
     return Verdict::bad_echo;
 
+  if (header.sequence > window_.highest() && too_late(header, now)) return Verdict::too_late;
   const SequenceWindow::Place place = window_.admit(header.sequence);
   quality_.lost = lost_before_ + window_.skipped();
   if (place == SequenceWindow::Place::duplicate) return Verdict::duplicate;
@@ -158,6 +168,21 @@ Verdict Link<Out, In>::on_data(std::span<const std::byte> payload, TimePoint now
   if (place != SequenceWindow::Place::newest) return Verdict::older;
   accept(header, now);
   return Verdict::accepted;
+}
+
+// The clock does not learn from what is too late: a side that slept for longer than the window
+// would take the oldest that waited for the fastest there is.
+template <typename Out, typename In>
+bool Link<Out, In>::too_late(const Header& header, TimePoint now) noexcept {
+  if (header.echo_sequence == 0 || clock_.lateness(exchange(header, now)) <= config_.max_late) {
+    late_since_.reset();
+    return false;
+  }
+  if (!late_since_) late_since_ = now;
+  if (now - *late_since_ < ClockSync::kWindow) return true;
+  clock_.clear();
+  late_since_.reset();
+  return false;
 }
 
 template <typename Out, typename In>
@@ -184,10 +209,7 @@ void Link<Out, In>::measure(const Header& header, TimePoint now) noexcept {
     quality_.jitter += (std::chrono::abs(change) - quality_.jitter) / 16;
   }
   if (header.echo_sequence == 0) return;
-  const Exchange x{.t1 = duration(header.echo_sent),
-                   .t2 = sent - duration(header.echo_hold),
-                   .t3 = sent,
-                   .t4 = now.time_since_epoch()};
+  const Exchange x = exchange(header, now);
   quality_.round_trip_known = true;
   quality_.round_trip = std::max(x.t4 - x.t1 - (x.t3 - x.t2), Duration::zero());
   if (x.t3 - x.t2 <= kMaxHold) clock_.add(x);

@@ -28,7 +28,11 @@ struct LinkConfig {
   std::uint32_t capabilities = 0;
   Duration hello_period = std::chrono::milliseconds(100);
   Duration silence = std::chrono::milliseconds(500);  // without data for so long: hello again
-  SecureChannel* secure = nullptr;                    // borrowed; nullptr: the plain channel
+  // What took so much longer than the fastest of the clock's window is not taken: a side that wakes
+  // up does not act on what waited meanwhile. Only once the clock is known. If nothing else comes
+  // for as long as the window, the network got slower for good: the clock begins anew.
+  Duration max_late = std::chrono::milliseconds(100);
+  SecureChannel* secure = nullptr;  // borrowed; nullptr: the plain channel
 };
 
 // received == accepted() + dropped(), always.
@@ -121,6 +125,7 @@ class Link {
   Verdict on_data(std::span<const std::byte> payload, TimePoint now) noexcept;
   void take_over(const Hello& hello) noexcept;
   bool retired(std::uint64_t session) const noexcept;
+  bool too_late(const Header& header, TimePoint now) noexcept;
   void accept(const Header& header, TimePoint now) noexcept;
   void measure(const Header& header, TimePoint now) noexcept;
 
@@ -136,6 +141,7 @@ class Link {
   std::size_t retirements_ = 0;
   SequenceWindow window_;
   ClockSync clock_;
+  std::optional<TimePoint> late_since_;  // since then, all that is new came too late
   std::optional<Received<In>> newest_;
   In incoming_;
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "common/scene_values.hpp"
+
 namespace farhand {
 namespace {
 
@@ -44,6 +46,17 @@ std::string describe(const std::optional<ImpairmentConfig>& config) {
 }
 
 }  // namespace
+
+LinkConfig link_config(const Scene& scene, std::uint64_t session, SecureChannel* secure) {
+  const proto::Link& link = scene.proto.link();
+  const double max_late_ms =
+      link.has_max_late_ms() ? link.max_late_ms() : std::max(link.max_late_ms(), link.stale_ms());
+  return {.session = session,
+          .scene_hash = scene.shared_hash,
+          .silence = milliseconds(link.lost_ms()),
+          .max_late = milliseconds(max_late_ms),
+          .secure = secure};
+}
 
 ImpairmentConfig impairment_config(const proto::Impairment& i) {
   ImpairmentConfig out{.delay_ms = i.delay_ms(),

@@ -1,4 +1,5 @@
-// A scene's network: what its two impairments mean to the library, and how they read in a plan.
+// A scene's link, and its network: what the two impairments mean to the library, and how they read
+// in a plan.
 #pragma once
 
 #include <optional>
@@ -6,9 +7,13 @@
 #include <vector>
 
 #include "common/impairment.hpp"
-#include "proto/scene.pb.h"
+#include "common/link.hpp"
+#include "common/scene.hpp"
 
 namespace farhand {
+
+// What both ends of the scene's link have alike.
+LinkConfig link_config(const Scene& scene, std::uint64_t session, SecureChannel* secure = nullptr);
 
 ImpairmentConfig impairment_config(const proto::Impairment& impairment);
 

@@ -171,6 +171,11 @@ void link_rules(Rules& r) {
       r, "stale_ms", [](const Link& l) { return l.stale_ms() >= l.lost_ms(); },
       "is not less than lost_ms",
       "motion must hold before the peer counts as gone: lower it, or raise lost_ms");
+  rule<Link>(
+      r, "max_late_ms",
+      [](const Link& l) { return l.has_max_late_ms() && l.max_late_ms() < l.stale_ms(); },
+      "is less than stale_ms, so what ends a pause that is borne would be refused",
+      "raise it, lower stale_ms, or leave it out");
   using I = proto::Impairment;
   rule<I>(
       r, "jitter_ms",

@@ -120,15 +120,17 @@ enum class Verdict : std::uint8_t {
   bad_echo,         // echoes what we have not sent
   duplicate,        // seen before
   older,            // a newer one is here already
+  too_late,         // far longer on its way than the fastest
 };
-inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::older) + 1;
+inline constexpr std::size_t kVerdicts = static_cast<std::size_t>(Verdict::too_late) + 1;
 
 constexpr const char* to_string(Verdict v) noexcept {
   constexpr std::array<const char*, kVerdicts> kNames = {
       "accepted",        "too short",       "too long",    "bad magic",     "bad length",
       "bad checksum",    "wrong content",   "wrong epoch", "not connected", "not authentic",
       "unexpected type", "wrong role",      "malformed",   "wrong version", "wrong scene",
-      "foreign session", "other recipient", "bad echo",    "duplicate",     "older"};
+      "foreign session", "other recipient", "bad echo",    "duplicate",     "older",
+      "too late"};
   return kNames[static_cast<std::size_t>(v)];
 }
 

@@ -4,6 +4,7 @@
 
 #include "common/build_info.hpp"
 #include "common/program.hpp"
+#include "common/scene_network.hpp"
 #include "master/build.hpp"
 #include "master/record.hpp"
 #include "master/status.hpp"
@@ -25,15 +26,13 @@ int main(int argc, char** argv) {
         if (!scene.proto.has_slave()) {
           refuse_addresses(options, scene);
         } else {
-          const auto capabilities = wants_force(master.config()) ? kForceWanted : 0u;
           socket.emplace(link_address(options.listen, scene.proto.link().master_address(), scene),
                          link_address(options.slave, scene.proto.link().slave_address(), scene));
           secure = make_secure(scene, socket->peer());
-          link.emplace(LinkConfig{.session = random_session(),
-                                  .scene_hash = scene.shared_hash,
-                                  .capabilities = capabilities,
-                                  .silence = loop.lost,
-                                  .secure = secure ? &secure->channel() : nullptr});
+          LinkConfig config =
+              link_config(scene, random_session(), secure ? &secure->channel() : nullptr);
+          config.capabilities = wants_force(master.config()) ? kForceWanted : 0u;
+          link.emplace(config);
         }
         std::optional<RecordingFile> file;
         std::optional<MasterRecording> recording;

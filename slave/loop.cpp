@@ -93,7 +93,6 @@ std::optional<TimePoint> SlaveLoop::await_message() noexcept {
 // Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only
 // an accepted datagram may say where the master is.
 void SlaveLoop::receive() noexcept {
-  constexpr int kBurst = 64;
   std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
   for (int i = 0; i < kBurst; ++i) {
     const auto got = socket_.receive(buffer);

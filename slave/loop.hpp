@@ -27,6 +27,8 @@ struct SlaveLoopConfig {
 
 class SlaveLoop {
  public:
+  static constexpr int kBurst = 64;  // datagrams taken at once, at most
+
   // To be made on the thread that turns it. Everything is borrowed and must outlive the loop.
   SlaveLoop(const SlaveLoopConfig& config, Slave& slave, AnyRobot& robot, SlaveLink& link,
             UdpSocket& socket, Recorder<SlaveRecord>& recorder) noexcept;

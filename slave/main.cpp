@@ -4,6 +4,7 @@
 
 #include "common/build_info.hpp"
 #include "common/program.hpp"
+#include "common/scene_network.hpp"
 #include "slave/build.hpp"
 #include "slave/record.hpp"
 #include "slave/status.hpp"
@@ -22,10 +23,7 @@ int main(int argc, char** argv) {
         const SlaveLoopConfig loop = slave_loop_config(scene.proto);
         UdpSocket socket(link_address(options.listen, scene.proto.link().slave_address(), scene));
         const auto secure = make_secure(scene);
-        SlaveLink link({.session = random_session(),
-                        .scene_hash = scene.shared_hash,
-                        .silence = loop.lost,
-                        .secure = secure ? &secure->channel() : nullptr});
+        SlaveLink link(link_config(scene, random_session(), secure ? &secure->channel() : nullptr));
         std::optional<RecordingFile> file;
         std::optional<SlaveRecording> recording;
         if (options.record) {

@@ -328,6 +328,7 @@ inline std::vector<BrokenScene> broken_scenes() {
            "}\nslave { sim_arm { rate_hz: 4000 } workspace {} joint_pid {} }@",
        "link.cut_off_us", "400 us is not less"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
+      {with_link("stale_ms: 50\n max_late_ms: @49"), "link.max_late_ms", "less than stale_ms"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},
       {with_link("to_master { delay_ms: 1 jitter: UNIFORM jitter_ms: @2 }"),
        "link.to_master.jitter_ms", "use jitter: GAMMA"},

@@ -153,6 +153,13 @@ TEST_F(LinkTest, EveryReasonToDropHasItsCounter) {
   expect_dropped(good, Verdict::duplicate);
   ASSERT_EQ(slave.receive(next(), now), Verdict::accepted);
   expect_dropped(older, Verdict::older);
+  now += 101ms;  // the echo of our first message, with the fastest way of 0
+  expect_dropped(forged([&](Header& h) {
+                   h.sent = h.echo_sent =
+                       static_cast<std::uint64_t>(kStart.time_since_epoch().count());
+                   h.echo_sequence = 1;
+                 }),
+                 Verdict::too_late);
   const auto secure = [](Verdict v) {  // of the secure channel, which a plain link never gives
     return v >= Verdict::wrong_content && v <= Verdict::not_authentic;
   };
@@ -193,6 +200,90 @@ TEST_F(LinkTest, FreshIsAMatterOfArrival) {
   connect();
   EXPECT_TRUE(slave.fresh(now + 20ms, 20ms));
   EXPECT_FALSE(slave.fresh(now + 20ms + 1ns, 20ms));
+}
+
+// A pair with both clocks known, over a way of 5 ms each.
+class LatenessTest : public LinkTest {
+ protected:
+  static constexpr Duration kWay = 5ms;
+  LatenessTest() {
+    slave.receive(copy(master.hello_due(now)), now);
+    master.receive(copy(slave.hello_due(now)), now);
+    for (int i = 0; i < 100; ++i) exchange(kWay, kWay);
+    EXPECT_TRUE(slave.clock().valid && master.clock().valid);
+  }
+  // A message there and one back, so long on their ways; the clocks of both sides are one.
+  std::pair<Verdict, Verdict> exchange(Duration there, Duration back) {
+    const Bytes down = next(), up = copy(slave.encode({}, now));
+    const auto verdicts =
+        std::pair(slave.receive(down, now + there), master.receive(up, now + back));
+    now += std::max(there, back) + 20ms;
+    return verdicts;
+  }
+};
+
+// Seconds of messages wait in a queue while the slave is stopped, longer than the clock remembers.
+TEST_F(LatenessTest, WhatWaitedWhileASideSleptIsNotTaken) {
+  for (const Duration sleep : {Duration(2s), Duration(15s)}) {
+    std::vector<Bytes> queue;
+    for (const TimePoint end = now + sleep; now < end; now += 1ms) queue.push_back(next());
+    const std::uint64_t before = slave.newest()->sequence, lost = slave.quality().lost;
+    std::uint64_t too_late = 0;
+    for (const Bytes& datagram : queue) {
+      const Duration waited = std::chrono::milliseconds(&queue.back() - &datagram + 1);
+      const Verdict verdict = slave.receive(datagram, now + kWay);
+      ASSERT_EQ(verdict, waited > 100ms ? Verdict::too_late : Verdict::accepted) << waited.count();
+      too_late += verdict == Verdict::too_late;
+      if (verdict == Verdict::too_late) {
+        ASSERT_EQ(slave.newest()->sequence, before);
+      }
+    }
+    EXPECT_EQ(slave.quality().lost, lost + too_late);
+    EXPECT_EQ(slave.clock().round_trip, 2 * kWay);
+    for (int i = 0; i < 10; ++i) {
+      now += 20ms;
+      slave.receive(next(), now + kWay);
+      master.receive(copy(slave.encode({}, now)), now + kWay);
+    }
+  }
+}
+
+TEST_F(LatenessTest, TheLimitIsAboveTheFastest) {
+  EXPECT_EQ(exchange(kWay, kWay + 100ms).second, Verdict::accepted);
+  EXPECT_EQ(exchange(kWay, kWay + 100ms + 1ns).second, Verdict::too_late);
+  EXPECT_EQ(exchange(kWay + 100ms + 1ns, kWay).first, Verdict::too_late);
+  EXPECT_EQ(exchange(kWay + 90ms, kWay + 90ms), std::pair(Verdict::accepted, Verdict::accepted));
+}
+
+// Both ways at once, so that neither side has anything new to echo.
+TEST_F(LatenessTest, ANetworkThatGotSlowerForGoodIsAcceptedAfterTheClocksWindow) {
+  const TimePoint begin = now;
+  std::optional<TimePoint> first;
+  while (now < begin + 20s) {
+    const TimePoint sent = now;
+    const auto [there, back] = exchange(kWay + 200ms, kWay + 200ms);
+    if (!first && there == Verdict::accepted) first = sent;
+    ASSERT_EQ(first.has_value(), there == Verdict::accepted) << seconds(now - begin);
+    ASSERT_EQ(first.has_value(), back == Verdict::accepted) << seconds(now - begin);
+  }
+  ASSERT_TRUE(first);
+  EXPECT_GE(*first - begin, Duration(ClockSync::kWindow));
+  EXPECT_LT(*first - begin, ClockSync::kWindow + kWay + 200ms + 20ms);
+  EXPECT_EQ(slave.clock().round_trip, 2 * (kWay + 200ms));
+}
+
+// The stamps alone say that all is late, the round trip that nothing is.
+TEST_F(LatenessTest, AStepOfTheOtherClockIsNoLateness) {
+  for (const Duration step : {-3s, 3s}) {
+    master.receive(copy(slave.encode({}, now)), now + kWay);
+    for (int i = 0; i < 100; ++i, now += 20ms) {  // the master's clock is so much ahead
+      if (i == 0) continue;
+      const Bytes down = copy(master.encode({}, now + 10s + step));
+      ASSERT_EQ(slave.receive(down, now + kWay), Verdict::accepted) << i;
+      ASSERT_EQ(master.receive(copy(slave.encode({}, now + kWay)), now + 10s + step + 2 * kWay),
+                Verdict::accepted);
+    }
+  }
 }
 
 TEST_F(LinkTest, WhatThePeerWouldRefuseIsNotSent) {
@@ -361,15 +452,43 @@ TEST(LinkOverABadNetwork, LossesAndReorderingAreTheNetworks) {
   }
 }
 
+// The networks of a bench for compensation methods: round trips to 400 ms with any jitter, a step
+// of the round trip from 50 to 200 ms, loss. None is too late but what waits in the queue of a line
+// that is too thin.
+TEST(LinkOverABadNetwork, NothingIsTooLateButBehindAThinLine) {
+  const auto too_late = [](const ImpairmentConfig& config) {
+    World world(config, 1);
+    MasterLink master({.session = 1, .scene_hash = kScene});
+    SlaveLink slave({.session = 2, .scene_hash = kScene});
+    world.run(master, slave, 12s);
+    return slave.counters()[Verdict::too_late] + master.counters()[Verdict::too_late];
+  };
+  for (const double way : {0., 2.5, 5., 10., 25., 50., 100., 200.})
+    for (const double loss : {0., 0.1}) {
+      ImpairmentConfig c{.delay_ms = way, .loss_ratio = loss};
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.jitter_ms = way / 10;
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.spike_ms = 50;
+      EXPECT_EQ(too_late(c), 0u) << way;
+      c.delay_drift_ms_per_s = way / 600;
+      EXPECT_EQ(too_late(c), 0u) << way;
+    }
+  EXPECT_EQ(too_late({.delay_ms = 25, .step_ms = 75, .step_at_s = 3, .step_length_s = 4}), 0u);
+  EXPECT_GT(too_late({.delay_ms = 25, .spike_ms = 150}), 0u);
+  EXPECT_GT(too_late({.delay_ms = 25, .cap_kbit_per_s = 200}), 0u);
+}
+
 TEST(LinkOverABadNetwork, ABlackoutEndsByItself) {
   World world({.delay_ms = 10}, 1);
   MasterLink master({.session = 1, .scene_hash = kScene});
   SlaveLink slave({.session = 2, .scene_hash = kScene});
   world.run(master, slave, 1s);
-  world.now += 5s;  // what was under way arrives late, nothing was sent meanwhile
+  world.now += 5s;  // what was under way arrives too late, nothing was sent meanwhile
   world.run(master, slave, 100ms);
   EXPECT_TRUE(master.fresh(world.now, 2ms) && slave.fresh(world.now, 2ms));
-  EXPECT_EQ(slave.quality().lost, 0u);
+  EXPECT_EQ(slave.quality().lost, 10u);  // those of 10 ms
+  EXPECT_EQ(slave.counters()[Verdict::too_late], 10u);
   EXPECT_EQ(slave.clock().offset, 0s);
 }
 

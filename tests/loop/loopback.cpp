@@ -44,8 +44,7 @@ Loopback::SlaveSide::SlaveSide(const Loopback& of, std::uint64_t seed)
 
 void Loopback::start_master(std::uint64_t session) {
   master_.emplace(master_config(scene_.proto));
-  link_.emplace(
-      LinkConfig{.session = session, .scene_hash = scene_.shared_hash, .silence = loop_.lost});
+  link_.emplace(link_config(scene_, session));
   next_sample_ = clock_.local(now_);
   cut_off_.reset();
   sent_sequence_ = 0;
@@ -54,8 +53,7 @@ void Loopback::start_master(std::uint64_t session) {
 void Loopback::start_slave(std::uint64_t session) {
   SlaveSide& s = *slave_;
   s.slave.emplace(slave_config(scene_.proto));
-  s.link.emplace(
-      LinkConfig{.session = session, .scene_hash = scene_.shared_hash, .silence = s.loop.lost});
+  s.link.emplace(link_config(scene_, session));
   s.phase.emplace(s.loop.period, s.clock.local(now_) + s.loop.period);
   s.ticked_sequence = 0;
   s.arrival.reset();

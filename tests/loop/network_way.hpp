@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/impairment.hpp"
+#include "slave/loop.hpp"
 
 namespace farhand {
 
@@ -45,16 +46,16 @@ class NetworkWay {
 class SocketQueue {
  public:
   static constexpr std::size_t kMost = 277;
-  static constexpr int kBurst = 64;  // a turn of either loop takes no more at once
 
   bool empty() const noexcept { return waiting_.empty(); }
   void clear() noexcept { waiting_.clear(); }
   void push(std::span<const std::byte> d) {
     if (waiting_.size() < kMost) waiting_.emplace_back(d.begin(), d.end());
   }
+  // What a turn of either loop takes at once.
   template <typename Receive>
   void take_burst(Receive&& receive) {
-    for (int i = 0; i < kBurst && !waiting_.empty(); ++i) {
+    for (int i = 0; i < SlaveLoop::kBurst && !waiting_.empty(); ++i) {
       receive(std::span<const std::byte>(waiting_.front()));
       waiting_.pop_front();
     }
