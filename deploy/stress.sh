@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each), 10^4
 # cuts of the link: about an hour on one core. `stress.sh hosts` is the other one: both programs on two hosts through every harm
-# fifty times, some 90 minutes; with a number, as often as that.
+# fifty times, some 90 minutes; with a number, as often as that. `stress.sh sim` is 2000 seeds of faults under virtual time, 30 s
+# each, or as many as a number says, and `stress.sh sim hours` 100 simulated hours of them, or as many as a number says.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -10,6 +11,13 @@ cmake --preset release -DFARHAND_TESTS=ON >/dev/null
 if [[ "${1:-}" == hosts ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-impair
   exec tests/loop/two_hosts.sh build/release/bin "${2:-50}"
+fi
+if [[ "${1:-}" == sim ]]; then
+  cmake --build --preset release --target farhand-sim
+  mkdir -p build/sim
+  seeds="${2:-2000}"
+  [[ "$seeds" == hours ]] && seeds=$((120 * ${3:-100}))   # of 30 s
+  exec build/release/bin/farhand-sim --seeds "1:$seeds" --record build/sim
 fi
 cmake --build --preset release --target stress_ticks_test stress_controllers_test loop_link_cut_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test

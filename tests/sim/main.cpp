@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -26,25 +25,30 @@ struct Options {
   bool fault_free = false;
 };
 
-// Of one seed for each line of a file: its number, and after # what was wrong.
-std::vector<std::uint64_t> failed_before() {
-  std::vector<std::uint64_t> out;
+struct Run {
+  std::uint64_t seed = 0;
+  double seconds = 0;
+};
+
+// Of each line of the file: a seed, the seconds of its episode, and after # what was wrong.
+std::vector<Run> failed_before() {
+  std::vector<Run> out;
   std::ifstream file(FARHAND_SOURCE_DIR "/tests/sim/failed_seeds.txt");
   for (std::string line; std::getline(file, line);) {
-    std::uint64_t seed = 0;
-    if (std::istringstream(line) >> seed) out.push_back(seed);
+    Run run;
+    if (std::istringstream(line) >> run.seed >> run.seconds) out.push_back(run);
   }
   return out;
 }
 
-std::vector<std::uint64_t> seeds_of(const Options& o) {
-  if (o.seed) return {*o.seed};
+std::vector<Run> runs_of(const Options& o) {
+  if (o.seed) return {{*o.seed, o.seconds}};
   std::uint64_t from = 0, to = 0;
   char colon = 0;
   if (!(std::istringstream(o.seeds) >> from >> colon >> to) || colon != ':' || to < from)
     throw std::runtime_error("--seeds " + o.seeds + ": not FROM:TO");
-  std::vector<std::uint64_t> out = failed_before();
-  for (; from <= to; ++from) out.push_back(from);
+  std::vector<Run> out = failed_before();
+  for (; from <= to; ++from) out.push_back({from, o.seconds});
   return out;
 }
 
@@ -88,7 +92,7 @@ std::string failure(const Plan& plan, const EpisodeResult& r) {
 
 class Runner {
  public:
-  explicit Runner(const Options& options) : options_(options), seeds_(seeds_of(options)) {}
+  explicit Runner(const Options& options) : options_(options), runs_(runs_of(options)) {}
 
   int run() {
     std::vector<std::thread> others;
@@ -102,15 +106,15 @@ class Runner {
 
  private:
   void work() {
-    for (std::size_t i = next_++; i < seeds_.size(); i = next_++) one(seeds_[i]);
+    for (std::size_t i = next_++; i < runs_.size(); i = next_++) one(runs_[i]);
   }
-  void one(std::uint64_t seed) {
-    const Plan plan = draw_plan(seed, from_seconds(options_.seconds));
+  void one(const Run& run) {
+    const Plan plan = draw_plan(run.seed, from_seconds(run.seconds));
     EpisodeOptions o{.faults = !options_.fault_free, .record = {}};
     const EpisodeResult r = run_episode(plan, o);
     const bool verbose = options_.seed.has_value();
     if (!options_.record.empty() && (verbose || !r.good())) {
-      o.record = fmt::format("{}/seed_{}.mcap", options_.record, seed);
+      o.record = fmt::format("{}/seed_{}.mcap", options_.record, run.seed);
       run_episode(plan, o);
     }
     const std::lock_guard lock(mutex_);
@@ -121,7 +125,7 @@ class Runner {
   }
 
   Options options_;
-  std::vector<std::uint64_t> seeds_;
+  std::vector<Run> runs_;
   std::atomic<std::size_t> next_ = 0;
   std::mutex mutex_;
   Totals totals_;

@@ -5,7 +5,8 @@
 
 namespace farhand {
 
-Watch::Watch(const Loopback& loop, Checkers& checkers) : loop_(loop), checkers_(checkers) {
+Watch::Watch(const Loopback& loop, Checkers& checkers, Duration max_late)
+    : loop_(loop), checkers_(checkers), max_late_(max_late) {
   const auto& damped = loop.master().config().damped;
   if (damped) store_ = damped->guard.store;
 }
@@ -113,11 +114,23 @@ void Watch::check(const SlaveTick& t) {
   const bool found = !robot_read_ && t.robot.ok && t.q_cmd == t.robot.q;  // held where it is
   const bool moved = q_cmd_ && *q_cmd_ != t.q_cmd && !found;
   checkers_.expect(!moved || (t.coupled && fresh), "the command moved without a fresh order", 0, 0);
-  if (moved) check_age(t);
+  if (moved) check_age();
+  check_place(t);
   q_cmd_ = t.q_cmd;
   robot_read_ = t.robot.ok;
   if (t.mode == Mode::engaged && slave_mode_ != Mode::engaged) check_press(t);
   slave_mode_ = t.mode;
+}
+
+// A robot that reads well is told to be about where it is, whatever one reading said.
+void Watch::check_place(const SlaveTick& t) {
+  constexpr int kWell = 5;        // [ticks]
+  constexpr double kAbout = 0.3;  // [rad] 0.1 s at its speed limit, for the servo
+  read_well_ = t.robot.ok ? read_well_ + 1 : 0;
+  const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
+  const double off = (t.q_cmd - truth.q).cwiseAbs().maxCoeff();
+  checkers_.expect(read_well_ < kWell || off <= kAbout,
+                   "the command is far from where the robot is [rad]", off, kAbout);
 }
 
 // Every engagement takes a press of its own, made since this process began.
@@ -134,12 +147,29 @@ void Watch::check_press(const SlaveTick& t) {
                    seconds(slave_began_ - made->second), 0);
 }
 
-// Since the master's sample that this tick moves by, whatever delayed it.
-void Watch::check_age(const SlaveTick&) {
+// The order a tick moves by is no older than the fastest of the clock's window took, the link's
+// max_late on top, and the time it may have waited here. A clock that steps takes the link two
+// quarter seconds to see.
+void Watch::check_age() {
+  constexpr Duration kRelearn = std::chrono::seconds(1);
   const auto* in = loop_.slave_end()->newest();
   const Sent& sent = sent_[in->sequence % sent_.size()];
   if (sent.session != masters_session_ || sent.sequence != in->sequence) return;
-  oldest_command_ = std::max(oldest_command_, loop_.now() - sent.at);
+  const TimePoint now = loop_.now();
+  const Duration age = now - sent.at;
+  const auto second = std::chrono::floor<std::chrono::seconds>(now);
+  Fastest& open =
+      fastest_[static_cast<std::size_t>(second.time_since_epoch().count()) % fastest_.size()];
+  if (open.from != second) open = {second, Duration::max()};
+  open.took = std::min(open.took, age);
+  oldest_command_ = std::max(oldest_command_, age);
+  if (clock_stepped_ && now - *clock_stepped_ < kRelearn) return;
+  Duration least = Duration::max();
+  for (const Fastest& f : fastest_)
+    if (now - f.from <= ClockSync::kWindow + 2 * kRelearn) least = std::min(least, f.took);
+  const Duration most = least + max_late_ + loop_.slave()->config().stale;
+  checkers_.expect(age <= most, "the command moved by an order of age [s]", seconds(age),
+                   seconds(most));
 }
 
 }  // namespace farhand

@@ -13,12 +13,14 @@ namespace farhand {
 
 class Watch {
  public:
-  Watch(const Loopback& loop, Checkers& checkers);
+  // max_late: of the link.
+  Watch(const Loopback& loop, Checkers& checkers, Duration max_late);
 
   void sampling();  // just before the master's sample decides its state
   void check(const MasterTick& tick);
   void check(const SlaveTick& tick);
   void restarted(Side side, std::uint64_t session);
+  void clock_stepped() { clock_stepped_ = loop_.now(); }
 
   Duration oldest_command() const noexcept { return oldest_command_; }
 
@@ -28,7 +30,8 @@ class Watch {
   template <typename Link>
   void check_link(const Link& link, std::uint64_t& session, std::uint64_t& sequence);
   void check_press(const SlaveTick& tick);
-  void check_age(const SlaveTick& tick);
+  void check_age();
+  void check_place(const SlaveTick& tick);
   void check_energy(const MasterTick& tick);
 
   const Loopback& loop_;
@@ -51,9 +54,18 @@ class Watch {
     TimePoint at{};
   };
   std::array<Sent, 4096> sent_{};
+  // How long messages truly took until a tick moved by them: least of each second, and when.
+  struct Fastest {
+    TimePoint from{};
+    Duration took = Duration::max();
+  };
+  std::array<Fastest, 12> fastest_{};
+  std::optional<TimePoint> clock_stepped_;
+  Duration max_late_;
   Duration oldest_command_{};
   std::optional<Vec6> q_cmd_;
   bool robot_read_ = true;
+  int read_well_ = 0;  // ticks on end
 
   // Of the port where a compensation guards the hand.
   double store_ = 0, energy_ = 0, told_before_ = 0, told_ = 0;

@@ -20,7 +20,7 @@ class WatchTest : public ::testing::Test {
   template <typename Tick>
   std::string verdict(const std::vector<Tick>& ticks) {
     Checkers checkers(loop_);
-    Watch watch(loop_, checkers);
+    Watch watch(loop_, checkers, std::chrono::milliseconds(100));
     watch.sampling();
     for (std::size_t i = 0; i < ticks.size(); ++i) {
       EXPECT_EQ(checkers.count(), 0u) << checkers.first().back().what;
@@ -90,6 +90,12 @@ TEST_F(WatchTest, AFoundRobotMayBeHeldWhereItIsAndNowhereElse) {
   EXPECT_EQ(verdict<SlaveTick>({idle(), blind, found}), "");
   found.q_cmd[0] += 0.001;
   EXPECT_NE(verdict<SlaveTick>({idle(), blind, found}), "");
+}
+
+TEST_F(WatchTest, RefusesACommandFarFromTheRobot) {
+  SlaveTick far = idle();
+  far.q_cmd[2] += 0.4;
+  EXPECT_EQ(verdict<SlaveTick>({far, far, far, far, far}).substr(0, 22), "the command is far fro");
 }
 
 }  // namespace
