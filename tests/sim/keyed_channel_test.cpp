@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace farhand {
@@ -23,7 +24,8 @@ class KeyedChannelTest : public ::testing::Test {
     master_.open(slave_.due(now_), now_);
   }
   Bytes sealed() { return copy(master_.seal(message_)); }
-  bool accepted(const Bytes& frame) { return copy(slave_.open(frame, now_)) == message_; }
+  bool is_message(std::span<const std::byte> b) const { return std::ranges::equal(b, message_); }
+  bool accepted(const Bytes& frame) { return is_message(slave_.open(frame, now_)); }
 
   KeyedChannel master_{Role::master, 1}, slave_{Role::slave, 2};
   TimePoint now_{};
@@ -55,7 +57,7 @@ TEST_F(KeyedChannelTest, RefusesItsOwnFramesSentBack) {
   EXPECT_TRUE(accepted(sealed()));
   const Bytes answer = copy(slave_.seal(message_));
   EXPECT_TRUE(slave_.open(answer, now_).empty());
-  EXPECT_EQ(copy(master_.open(answer, now_)), message_);
+  EXPECT_TRUE(is_message(master_.open(answer, now_)));
 }
 
 TEST_F(KeyedChannelTest, ANewConnectionRefusesFramesOfTheOldOne) {

@@ -125,7 +125,7 @@ void Watch::check(const SlaveTick& t) {
 // A robot that reads well is told to be about where it is, whatever one reading said.
 void Watch::check_place(const SlaveTick& t) {
   constexpr int kWell = 5;        // [ticks]
-  constexpr double kAbout = 0.3;  // [rad] 0.1 s at its speed limit, for the servo
+  constexpr double kAbout = 0.5;  // [rad] 80 ms of the wrist at its speed limit, for the servo
   read_well_ = t.robot.ok ? read_well_ + 1 : 0;
   const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
   const double off = (t.q_cmd - truth.q).cwiseAbs().maxCoeff();

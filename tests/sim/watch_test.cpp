@@ -94,7 +94,7 @@ TEST_F(WatchTest, AFoundRobotMayBeHeldWhereItIsAndNowhereElse) {
 
 TEST_F(WatchTest, RefusesACommandFarFromTheRobot) {
   SlaveTick far = idle();
-  far.q_cmd[2] += 0.4;
+  far.q_cmd[2] += 0.6;
   EXPECT_EQ(verdict<SlaveTick>({far, far, far, far, far}).substr(0, 22), "the command is far fro");
 }
 
