@@ -10,7 +10,8 @@ namespace {
 
 // A longer payload is not worth parsing.
 constexpr std::size_t kLongestMessageBytes =
-    std::max(kMasterToSlaveBytes + kUserWrenchBytes + kFeltBytes, kSlaveToMasterBytes + kRobotBytes + kWallBytes);
+    std::max(kMasterToSlaveBytes + kUserWrenchBytes + kFeltBytes,
+             kSlaveToMasterBytes + kRobotBytes + kWallBytes);
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -237,7 +238,8 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
 }
 
 std::size_t size_of(const MasterToSlave& m) noexcept {
-  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) + (m.has_felt ? kFeltBytes : 0);
+  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) +
+         (m.has_felt ? kFeltBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) noexcept {
   return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
@@ -302,8 +304,7 @@ bool valid(const Hello& h) noexcept {
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
          in_range(m.reason) && in_range(m.method) && std::isfinite(m.energies.translation) &&
-         std::isfinite(m.energies.rotation) && finite(m.F_user_M) &&
-         m.F_felt_M.allFinite();
+         std::isfinite(m.energies.rotation) && finite(m.F_user_M) && m.F_felt_M.allFinite();
 }
 
 bool valid(const SlaveToMaster& m) noexcept {

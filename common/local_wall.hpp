@@ -15,7 +15,7 @@ namespace farhand {
 // robot's target: what a handle without delay would feel.
 struct LocalWall {
   bool known = false;
-  bool sure = false;  // its stiffness was learnt from motion, and it stands still
+  bool sure = false;           // its stiffness was learnt from motion, and it stands still
   Vec3 x_w = Vec3::Zero();     // a point of its surface near the contact
   Vec3 n = Vec3::Zero();       // unit, into the wall; of use if known
   double k = 0, b = 0;         // [N/m], [N s/m]

@@ -28,11 +28,11 @@ struct MethodChoice {
 
 // What is known in a tick.
 struct MethodEvidence {
-  double rtt = 0;         // round trip that hardly any message exceeds [s]; 0: not known
-  bool sure = false;      // the slave's model of the wall is confident and the wall has not moved
-  double stiffness = 0;   // of that wall [N/m]; 0: none known
-  double felt = 0;        // force now [N]
-  bool ringing = false;   // direct feedback gave the hand more energy than it had from it
+  double rtt = 0;        // round trip that hardly any message exceeds [s]; 0: not known
+  bool sure = false;     // the slave's model of the wall is confident and the wall has not moved
+  double stiffness = 0;  // of that wall [N/m]; 0: none known
+  double felt = 0;       // force now [N]
+  bool ringing = false;  // direct feedback gave the hand more energy than it had from it
 };
 
 class MethodChooser {
@@ -41,7 +41,8 @@ class MethodChooser {
 
   // RTT [s] below which direct feedback is chosen, where the wall has this stiffness.
   double direct_limit(double stiffness = 0) const noexcept {
-    const double k = std::max(config_.force_share * stiffness, config_.force_share * config_.stiffest);
+    const double k =
+        std::max(config_.force_share * stiffness, config_.force_share * config_.stiffest);
     return config_.device_damping / (2 * k);
   }
 
@@ -66,7 +67,8 @@ class MethodChooser {
  private:
   MethodChoice wished(bool quick) const noexcept {
     if (quick && !rang_) return {Method::direct, "the device's damping pays for this delay"};
-    if (sure_ >= config_.sure_for) return {Method::mmt, "too slow for direct; the wall is known and still"};
+    if (sure_ >= config_.sure_for)
+      return {Method::mmt, "too slow for direct; the wall is known and still"};
     if (quick) return {Method::damped, "direct rang, so the wall is too stiff for it"};
     return {Method::damped, "too slow for direct; the wall is not known"};
   }

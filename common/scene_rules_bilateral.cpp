@@ -39,7 +39,8 @@ void add_compensation_rules(SceneRules& r) {
       r, "", [](const Scene& s, const C&) { return !s.master().has_force_feedback(); },
       "gives a force that nobody feels", "add force_feedback {} to the master, or remove it");
   rule<C>(
-      r, "", [](const Scene& s, const C&) { return s.has_slave() && !s.slave().has_force_sensing(); },
+      r, "",
+      [](const Scene& s, const C&) { return s.has_slave() && !s.slave().has_force_sensing(); },
       "goes by what the robot touches, which nothing senses", "add force_sensing {} to the slave");
   not_on_falcon<D>(r, {"rotation_stiffness_newton_m_per_rad", "max_rotation_damping_newton_m_s",
                        "twist_stiffness_newton_m_per_rad", "max_twist_damping_newton_m_s",

@@ -91,7 +91,7 @@ struct MasterToSlave {
   std::uint32_t dead_man_presses = 0;  // edges since the session began: none is missed by a loss
   std::uint32_t clutch_presses = 0;
   Method method = Method::direct;  // by which the robot shall follow
-  PortEnergies energies;  // of the master's port; 0 without a compensation that guards it
+  PortEnergies energies;           // of the master's port; 0 without a compensation that guards it
   bool has_user_wrench = false;
   Wrench F_user_M;  // user on handle at H, M axes
   bool has_felt = false;

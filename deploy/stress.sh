@@ -4,6 +4,8 @@
 # fifty times, some 90 minutes; with a number, as often as that. `stress.sh flood` is a teleoperation flooded by a stranger, 30 s of
 # each kind; with a number, so many seconds, and with a second one so many datagrams a second. `stress.sh fuzz` runs each fuzz
 # target for ten minutes; with a number, so many seconds. What it finds is in build/fuzz.
+# `stress.sh sim` is 2000 seeds of faults under virtual time, 30 s
+# each, or as many as a number says, and `stress.sh sim hours` 100 simulated hours of them, or as many as a number says.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -27,6 +29,13 @@ fi
 if [[ "${1:-}" == flood ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-keygen farhand-flood
   exec tests/loop/flood.sh build/release/bin "${2:-30}" "${3:-20000}"
+fi
+if [[ "${1:-}" == sim ]]; then
+  cmake --build --preset release --target farhand-sim
+  mkdir -p build/sim
+  seeds="${2:-2000}"
+  [[ "$seeds" == hours ]] && seeds=$((120 * ${3:-100}))   # of 30 s
+  exec build/release/bin/farhand-sim --seeds "1:$seeds" --record build/sim
 fi
 cmake --build --preset release --target stress_ticks_test stress_controllers_test loop_link_cut_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test

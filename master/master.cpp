@@ -166,7 +166,8 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   // Holding because the link aged: the last wrench fades by its age instead of breaking off.
   const bool in_touch = tick_.mode == Mode::engaged || tick_.mode == Mode::holding;
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
-  const CompensationConfig& fading = compensated_ ? kSpringFade : config_.force_feedback->compensation;
+  const CompensationConfig& fading =
+      compensated_ ? kSpringFade : config_.force_feedback->compensation;
   const double share = felt ? fade(fading, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   if (config_.robot_coupling) tick_.F_coupling_G = {};

@@ -60,13 +60,13 @@ struct MasterTick {
   Duration age = Duration::max();        // of the slave's message acted upon; max before the first
   Mode slave_mode = Mode::disconnected;  // as that message says, and
   Reason slave_reason = Reason::no_partner;
-  bool coupled = false;     // whether the robot follows the handle
+  bool coupled = false;                 // whether the robot follows the handle
   const char* method_reason = nullptr;  // for out.method; nullptr where the scene named it
-  Wrench F_env_G;           // robot on environment in handle axes, as compensated;
-                            // guidance against it
-  Wrench F_coupling_G;      // the share of the coupling to the robot's pose in it
-  Wrench F_G;               // commanded: handle on hand
-  Vec6 tau = Vec6::Zero();  // written to the device [N m]
+  Wrench F_env_G;                       // robot on environment in handle axes, as compensated;
+                                        // guidance against it
+  Wrench F_coupling_G;                  // the share of the coupling to the robot's pose in it
+  Wrench F_G;                           // commanded: handle on hand
+  Vec6 tau = Vec6::Zero();              // written to the device [N m]
   bool position_controlled = false;
   Vec3 p_MH_target = Vec3::Zero();  // of position control
   LimitSet limits = kLimitNone;

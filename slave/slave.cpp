@@ -1,6 +1,8 @@
 #include "slave/slave.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace farhand {
 
@@ -25,11 +27,13 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.now = now;
   tick_.age = master.age;
   tick_.robot = robot;
-  tick_.robot.ok = robot.ok && plausible(robot);
+  tick_.robot.ok = robot.ok && plausible(robot) && continues(robot);
   tick_.limits = kLimitNone;
   decide_mode(master, robot.ok);
+  const bool was_found = std::exchange(found_, false);
   if (!tick_.robot.ok) {
     stay_blind();
+    blind_ = blind_ || was_found;
   } else {
     const ArmKinematics arm = kinematics(config_.arm, robot.q);
     tick_.X_SE = arm.X_SE;
@@ -42,6 +46,18 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   }
   answer(master.newest);
   return tick_;
+}
+
+// No joint leaps. After a longer gap it may be anywhere, but then it takes two readings that agree.
+bool Slave::continues(const RobotReading& robot) noexcept {
+  constexpr double kLeap = 0.05;  // [rad] beside twice what its speed allows
+  constexpr Duration kGap = std::chrono::milliseconds(50);
+  const double since = seconds(std::clamp(tick_.now - read_at_, Duration::zero(), kGap));
+  const Vec6 way = 2 * since * config_.joints.speed + Vec6::Constant(kLeap);
+  const bool leapt = q_read_ && ((robot.q - *q_read_).cwiseAbs() - way).maxCoeff() > 0;
+  q_read_ = robot.q;
+  read_at_ = tick_.now;
+  return !leapt;
 }
 
 // What the robot does is not known: nobody may feel or follow it.
@@ -82,7 +98,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
 
 void Slave::move_target(const Peer<MasterToSlave>& master) noexcept {
   if (!started_) {
-    started_ = true;
+    started_ = found_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
     uncouple(workspace_, tick_.X_SE);
     tick_.X_SE_target = tick_.X_SE;
@@ -127,14 +143,14 @@ void Slave::follow_push(const MasterToSlave& in) noexcept {
 // The target goes where the compensation says, and stops where the arm cannot follow.
 void Slave::follow_compensated(const Peer<MasterToSlave>& master) noexcept {
   const Pose last = tick_.X_SE_target;
-  const Pose X_MT = compensated_->step(
-      {.X_MT = as_handle(config_.workspace, workspace_, last),
-       .X_MR = as_handle(config_.workspace, workspace_, tick_.X_SE),
-       .V_MR = as_handle(config_.workspace, tick_.out.V_SE),
-       .F_E_M = reflect(config_.workspace, tick_.F_E_S),
-       .handle = *master.newest,
-       .age = master.age,
-       .echo_age = master.echo_age});
+  const Pose X_MT =
+      compensated_->step({.X_MT = as_handle(config_.workspace, workspace_, last),
+                          .X_MR = as_handle(config_.workspace, workspace_, tick_.X_SE),
+                          .V_MR = as_handle(config_.workspace, tick_.out.V_SE),
+                          .F_E_M = reflect(config_.workspace, tick_.F_E_S),
+                          .handle = *master.newest,
+                          .age = master.age,
+                          .echo_age = master.echo_age});
   workspace_.X_SE_target = last;
   tick_.X_SE_target = follow(config_.workspace, workspace_, X_MT, tick_.limits);
   reach();

@@ -33,9 +33,9 @@ struct SlaveConfig {
   std::optional<ForceSensingConfig> force_sensing;
   std::optional<BoundaryConfig> boundary;
   // Of bilateral architectures.
-  bool sends_robot = false;                    // the robot's pose as a handle pose
-  std::optional<AdmittanceConfig> admittance;  // the user's force moves the target
-  std::optional<UserForceConfig> user_force;   // the user's force pushes the arm
+  bool sends_robot = false;                            // the robot's pose as a handle pose
+  std::optional<AdmittanceConfig> admittance;          // the user's force moves the target
+  std::optional<UserForceConfig> user_force;           // the user's force pushes the arm
   std::optional<CompensatedTargetConfig> compensated;  // in place of the handle's pose
 };
 
@@ -80,6 +80,7 @@ class Slave {
 
  private:
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
+  bool continues(const RobotReading& robot) noexcept;
   void stay_blind() noexcept;
   void find_again() noexcept;
   void move_target(const Peer<MasterToSlave>& master) noexcept;
@@ -104,7 +105,10 @@ class Slave {
   ModeState state_;
   bool stop_ = false;
   std::uint32_t clutch_presses_ = 0;  // of the last message seen
+  std::optional<Vec6> q_read_;        // of the last reading, believed or not, and
+  TimePoint read_at_{};               // when that was
   bool started_ = false;
+  bool found_ = false;            // in the last tick, by one reading alone
   bool blind_ = false;            // through a fault
   Vec6 q_target_ = Vec6::Zero();  // of the newest reachable target
   SlaveTick tick_;

@@ -16,7 +16,7 @@ namespace farhand {
 struct ChosenCouplingConfig {
   MethodChoiceConfig choice;
   EchoDelayConfig delay;
-  DampedCouplingConfig damped;      // both without rotation
+  DampedCouplingConfig damped;  // both without rotation
   MediatedCouplingConfig mediated;
   std::optional<DampedRotationConfig> rotation;
 };

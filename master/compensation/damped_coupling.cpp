@@ -14,10 +14,9 @@ Wrench DampedCoupling::step(const CouplingInputs& in) noexcept {
   translation_.hear(in.robot.energies.translation);
   const Vec3& p_MH = in.handle.X_MH.p;
   const Vec3 stretch = in.robot.has_robot ? Vec3(p_MH - in.robot.p_MR) : Vec3::Zero();
-  const Vec3 F_M =
-      share * spring_.step(stretch, in.V_MH.linear, in.robot.F_E_M.force, in.echo_age);
-  Wrench F_G{.force = in.handle.R_MG.transpose() *
-                      translation_.step(clamp_norm(F_M, max_force_), p_MH)};
+  const Vec3 F_M = share * spring_.step(stretch, in.V_MH.linear, in.robot.F_E_M.force, in.echo_age);
+  Wrench F_G{.force =
+                 in.handle.R_MG.transpose() * translation_.step(clamp_norm(F_M, max_force_), p_MH)};
   if (rotation_) F_G.torque = rotation_->step(in, share);
   return F_G;
 }

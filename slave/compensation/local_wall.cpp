@@ -69,8 +69,7 @@ double WallFinder::in_series(double k) const noexcept {
 Vec3 WallFinder::hold_back(const Vec3& x_wish, const Vec3& F_felt) const noexcept {
   if (!wall_.known || !(k_hold_ > 0)) return x_wish;
   const double felt = std::max(F_felt.dot(wall_.n), 0.0) + config_.over_felt;
-  const double over =
-      (x_wish - x_hold_).dot(wall_.n) - std::min(felt, config_.max_force) / k_hold_;
+  const double over = (x_wish - x_hold_).dot(wall_.n) - std::min(felt, config_.max_force) / k_hold_;
   return over > 0 ? Vec3(x_wish - over * wall_.n) : x_wish;
 }
 

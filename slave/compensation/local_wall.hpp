@@ -42,7 +42,8 @@ class WallFinder {
       : config_(config), estimate_(config.estimate) {}
 
   // The target in place of x_wish, where the handle is thought to be, and F_felt, of the handle on
-  // what it feels, of the same message. x, v: robot, measured; F_e: robot on environment; x_sd: where the target is, whoever limited it since the last tick.
+  // what it feels, of the same message. x, v: robot, measured; F_e: robot on environment; x_sd:
+  // where the target is, whoever limited it since the last tick.
   Vec3 step(const Vec3& x_wish, const Vec3& F_felt, const Vec3& x_sd, const Vec3& x, const Vec3& v,
             const Vec3& F_e) noexcept;
   const LocalWall& wall() const noexcept { return wall_; }
@@ -65,10 +66,10 @@ class WallFinder {
   // by more than the force says swings.
   double k_hold_ = 0;
   Vec3 x_hold_ = Vec3::Zero();
-  double missed_ = 0;        // [s]
+  double missed_ = 0;            // [s]
   Vec3 settled_ = Vec3::Zero();  // x_w through a slow filter
-  Vec3 x_0_ = Vec3::Zero();  // where the contact began
-  Vec3 x_ = Vec3::Zero();    // of the last tick
+  Vec3 x_0_ = Vec3::Zero();      // where the contact began
+  Vec3 x_ = Vec3::Zero();        // of the last tick
 };
 
 }  // namespace farhand

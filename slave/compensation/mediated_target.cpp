@@ -14,8 +14,9 @@ void MediatedTarget::start(const Pose& X_MT) noexcept {
 
 Pose MediatedTarget::step(const TargetInputs& in) noexcept {
   const Vec3 wish = in.handle.p_MH + path(concealment_, in.age) * in.handle.V_MH.linear;
-  return {rotation_ ? rotation_->step(in) : in.X_MT.R,
-          finder_.step(wish, in.handle.F_felt_M, in.X_MT.p, in.X_MR.p, in.V_MR.linear, in.F_E_M.force)};
+  return {
+      rotation_ ? rotation_->step(in) : in.X_MT.R,
+      finder_.step(wish, in.handle.F_felt_M, in.X_MT.p, in.X_MR.p, in.V_MR.linear, in.F_E_M.force)};
 }
 
 void MediatedTarget::tell(SlaveToMaster& out) const noexcept {

@@ -41,7 +41,8 @@ using Messages = testing::Types<MasterToSlave, SlaveToMaster>;
 TYPED_TEST_SUITE(CodecOf, Messages);
 
 std::size_t size_of(const MasterToSlave& m) {
-  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) + (m.has_felt ? kFeltBytes : 0);
+  return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) +
+         (m.has_felt ? kFeltBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) {
   return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
@@ -209,8 +210,9 @@ class Foreign : public testing::Test {
  protected:
   Foreign() {
     std::array<std::byte, kMaxPayloadBytes> payload;
-    const std::size_t size = codec.encode({.session = 1, .sequence = 1},
-                                          MasterToSlave{.has_user_wrench = true, .has_felt = true}, payload);
+    const std::size_t size =
+        codec.encode({.session = 1, .sequence = 1},
+                     MasterToSlave{.has_user_wrench = true, .has_felt = true}, payload);
     EXPECT_TRUE(message.ParseFromArray(&payload[1], static_cast<int>(size - 1)));
   }
   Verdict decoded() {

@@ -326,8 +326,8 @@ TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
       "description",         "seed",           "duration_s",
       "master.sim_hand",     "slave.sim_arm",  "link.slave_address",
       "link.master_address", "link.insecure",  "link.key_file",
-      "link.to_slave",       "link.to_master", "link.observer_address", "master.realtime",
-      "slave.realtime"};
+      "link.to_slave",       "link.to_master", "link.observer_address",
+      "master.realtime",     "slave.realtime"};
   std::set<std::string> found;
   for (const Chain& chain : all_chains())
     if (marked_local(chain.back()) && std::none_of(chain.begin(), chain.end() - 1, marked_local))

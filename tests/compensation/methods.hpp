@@ -172,7 +172,8 @@ class Mediated : public Method {
   double target(const SlaveView& s) override {
     if (!s.from.in) return finder_.forget(), s.x_sd;
     const Vec3 x_sd = along(s.x_sd), v = along(s.v), F_e = along(s.F_e);
-    const double wish = finder_.step(along(reckon(s)), along(s.from.in->F), x_sd, along(s.x), v, F_e).z();
+    const double wish =
+        finder_.step(along(reckon(s)), along(s.from.in->F), x_sd, along(s.x), v, F_e).z();
     constexpr double kFastest = 0.5;  // [m/s] as the workspace limits the target
     const double step = kFastest * Bench::kTs;
     return std::clamp(wish, s.x_sd - step, s.x_sd + step);

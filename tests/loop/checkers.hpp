@@ -22,12 +22,16 @@ class Checkers {
 
   void check(const MasterTick& tick);
   void check(const SlaveTick& tick);
+  // A new process: what was before was another's.
+  void restarted(Side side) noexcept;
+
+  // Kept as a violation, of the present instant, if it is not good.
+  void expect(bool good, const char* what, double value, double limit);
 
   std::uint64_t count() const noexcept { return count_; }
   const std::vector<Violation>& first() const noexcept { return first_; }  // the first few
 
  private:
-  void expect(bool good, TimePoint now, const char* what, double value, double limit);
   void check_handle(const MasterTick& tick);
   void check_position_control(const MasterTick& tick);
   void check_boundary(const SlaveTick& tick);
@@ -39,7 +43,7 @@ class Checkers {
   Vec6 motor_tau_ = Vec6::Zero();
   Wrench F_G_;
   Wrench boundary_;
-  bool slave_seen_ = false;
+  bool slave_seen_ = false, robot_read_ = true;
   Vec6 q_cmd_ = Vec6::Zero();
   Vec6 joint_tau_ = Vec6::Zero();
 };

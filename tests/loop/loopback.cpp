@@ -22,25 +22,41 @@ AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
 }  // namespace
 
 Loopback::Loopback(const Scene& scene, const LoopbackOptions& options)
-    : loop_(master_loop_config(scene.proto)),
-      master_(master_config(scene.proto)),
+    : scene_(scene),
+      loop_(master_loop_config(scene.proto)),
       device_(device_of(scene, options)),
-      link_(link_config(scene, 1)),
+      clock_(kStart, options.master_clock),
       end_(kStart + from_seconds(options.duration_s.value_or(scene.proto.duration_s()))) {
-  if (scene.proto.has_slave()) slave_.emplace(scene, options.seed.value_or(scene.proto.seed()));
+  start_master(1);
+  if (!scene.proto.has_slave()) return;
+  slave_.emplace(*this, options.seed.value_or(scene.proto.seed()));
+  slave_->clock = SideClock(kStart, options.slave_clock);
+  start_slave(2);
+  slave_->phase.emplace(slave_->loop.period, slave_->clock.local(now_) + slave_->loop.period / 2);
 }
 
-Loopback::SlaveSide::SlaveSide(const Scene& scene, std::uint64_t seed)
-    : loop(slave_loop_config(scene.proto)),
-      slave(slave_config(scene.proto)),
-      robot(make_robot(scene.proto, stream(seed, kRobotStream))),
-      link(link_config(scene, 2)),
-      to_slave(to_slave_config(scene.proto.link()), stream(seed, kToSlaveStream)),
-      to_master(to_master_config(scene.proto.link()), stream(seed, kToMasterStream)),
-      phase(loop.period, kStart + loop.period / 2) {}
+Loopback::SlaveSide::SlaveSide(const Loopback& of, std::uint64_t seed)
+    : loop(slave_loop_config(of.scene_.proto)),
+      robot(make_robot(of.scene_.proto, stream(seed, kRobotStream))),
+      to_slave(to_slave_config(of.scene_.proto.link()), stream(seed, kToSlaveStream)),
+      to_master(to_master_config(of.scene_.proto.link()), stream(seed, kToMasterStream)),
+      clock(kStart, {}) {}
 
-void Loopback::push(Impairment& network, std::span<const std::byte> datagram) noexcept {
-  if (!cut_ && !datagram.empty()) network.push(datagram, now_);
+void Loopback::start_master(std::uint64_t session) {
+  master_.emplace(master_config(scene_.proto));
+  link_.emplace(link_config(scene_, session));
+  next_sample_ = clock_.local(now_);
+  cut_off_.reset();
+  sent_sequence_ = 0;
+}
+
+void Loopback::start_slave(std::uint64_t session) {
+  SlaveSide& s = *slave_;
+  s.slave.emplace(slave_config(scene_.proto));
+  s.link.emplace(link_config(scene_, session));
+  s.phase.emplace(s.loop.period, s.clock.local(now_) + s.loop.period);
+  s.ticked_sequence = 0;
+  s.arrival.reset();
 }
 
 void Loopback::run() {
@@ -50,84 +66,142 @@ void Loopback::run() {
 void Loopback::run_until(TimePoint until) {
   for (;;) {
     const TimePoint at = next_event();
-    if (at >= until) return;
+    if (at >= until) break;
     now_ = at;
     if (slave_) {
       deliver();
-      if (slave_due() <= now_) slave_tick();
+      turn_slave();
     }
-    if (cut_off_ && (answered() || *cut_off_ <= now_)) actuate();
-    if (next_sample_ <= now_ && !cut_off_) sample();
+    turn_master();
   }
+  now_ = std::max(now_, until);
 }
 
 TimePoint Loopback::next_event() const noexcept {
-  TimePoint at = cut_off_ ? *cut_off_ : next_sample_;
-  if (!slave_) return at;
-  at = std::min(at, slave_due());
-  if (const auto due = slave_->to_slave.next_due(); due && slave_->takes())
-    at = std::min(at, std::max(*due, slave_->stalled_until));
-  if (const auto due = slave_->to_master.next_due()) at = std::min(at, *due);
+  TimePoint at = up(Side::master) ? master_due() : std::min(outage_.until, next_idle_);
+  if (slave_) {
+    at = std::min(at, up(Side::slave) ? slave_due() : slave_->outage.until);
+    if (const auto due = slave_->to_slave.next_due()) at = std::min(at, *due);
+    if (const auto due = slave_->to_master.next_due()) at = std::min(at, *due);
+  }
   return std::max(at, now_);
 }
 
-TimePoint Loopback::slave_due() const noexcept {
-  return std::max(slave_->phase.due(slave_->arrival), slave_->stalled_until);
+TimePoint Loopback::master_due() const noexcept {
+  return clock_.truth(cut_off_ ? *cut_off_ : next_sample_);
 }
 
-void Loopback::deliver() noexcept {
-  while (now_ >= slave_->stalled_until && slave_->takes()) {
-    const auto datagram = slave_->to_slave.pop(now_, buffer_);
-    if (datagram.empty()) break;
-    ++slave_->taken;
-    slave_->link.receive(datagram, now_);
+TimePoint Loopback::slave_due() const noexcept {
+  const SlaveSide& s = *slave_;
+  return s.clock.truth(s.socket.empty() ? s.phase->due(s.arrival) : s.phase->earliest());
+}
+
+void Loopback::turn_master() {
+  if (!up(Side::master)) return idle_device();
+  if (outage_.session) {
+    start_master(*outage_.session);
+    outage_.session.reset();
   }
+  const TimePoint now = clock_.local(now_);
+  if (cut_off_ && (answered() || *cut_off_ <= now)) actuate();
+  if (next_sample_ <= now && !cut_off_) sample();
+}
+
+void Loopback::turn_slave() {
+  if (!up(Side::slave)) return;
+  SlaveSide& s = *slave_;
+  if (s.outage.session) {
+    start_slave(*s.outage.session);
+    s.outage.session.reset();
+  }
+  // As in SlaveLoop::await_message: a burst, and more while it waits anyway.
+  const TimePoint now = s.clock.local(now_);
+  if (now < s.phase->earliest()) return;
+  do {
+    s.socket.take_burst([&](auto d) { receive(Side::slave, d); });
+    note_arrival();
+  } while (!s.socket.empty() && s.phase->due(s.arrival) > now);
+  if (s.phase->due(s.arrival) <= now) slave_tick();
+}
+
+void Loopback::deliver() {
+  for (auto d = slave_->to_slave.pop(now_, buffer_); !d.empty();
+       d = slave_->to_slave.pop(now_, buffer_))
+    arrive(Side::slave, d);
   for (auto d = slave_->to_master.pop(now_, buffer_); !d.empty();
        d = slave_->to_master.pop(now_, buffer_))
-    link_.receive(d, now_);
-  const auto* newest = slave_->link.newest();
+    arrive(Side::master, d);
+  note_arrival();
+}
+
+void Loopback::arrive(Side to, std::span<const std::byte> datagram) {
+  if (outage(to).session) return;  // nobody is there
+  SocketQueue& socket = to == Side::master ? socket_ : slave_->socket;
+  if (up(to) && socket.empty()) return receive(to, datagram);
+  socket.push(datagram);
+}
+
+void Loopback::receive(Side to, std::span<const std::byte> datagram) noexcept {
+  if (on_arrival) datagram = on_arrival(to, datagram);
+  if (datagram.empty()) return;
+  if (to == Side::master)
+    link_->receive(datagram, clock_.local(now_));
+  else
+    slave_->link->receive(datagram, slave_->clock.local(now_));
+}
+
+void Loopback::note_arrival() noexcept {
+  const auto* newest = slave_->link->newest();
   if (newest != nullptr && newest->sequence != slave_->ticked_sequence)
     slave_->arrival = newest->received;
 }
 
 void Loopback::slave_tick() {
   SlaveSide& s = *slave_;
-  const RobotReading reading = read(s.robot, now_);
+  const TimePoint now = s.clock.local(now_);
+  RobotReading reading = s.unplugged ? RobotReading{} : read(s.robot, now_);
+  on_robot(reading);
   const SlaveTick& tick =
-      s.slave.tick(now_, peer<MasterToSlave>(s.link, now_, s.loop.lost), reading);
-  write(s.robot, now_, tick.tau);
-  push(s.to_master, s.link.hello_due(now_));
-  push(s.to_master, s.link.encode(tick.out, now_));
-  s.phase.ticked(now_, s.arrival);
+      s.slave->tick(now, peer<MasterToSlave>(*s.link, now, s.loop.lost), reading);
+  if (!s.unplugged) write(s.robot, now_, tick.tau);
+  push(Side::master, s.link->hello_due(now));
+  push(Side::master, s.link->encode(tick.out, now));
+  s.phase->ticked(now, s.arrival);
   s.arrival.reset();
-  s.taken = 0;
-  if (s.link.newest() != nullptr) s.ticked_sequence = s.link.newest()->sequence;
+  if (s.link->newest() != nullptr) s.ticked_sequence = s.link->newest()->sequence;
   on_slave(tick);
 }
 
 void Loopback::sample() {
+  const TimePoint now = clock_.local(now_);
   HandleReading reading = read(device_, now_);
+  if (unplugged_) reading = {};
   on_reading(reading);
   const MasterToSlave& message =
-      master_.sample(now_, reading, peer<SlaveToMaster>(link_, now_, loop_.lost));
+      master_->sample(now, reading, peer<SlaveToMaster>(*link_, now, loop_.lost));
   next_sample_ += loop_.period;
-  cut_off_ = now_;
+  cut_off_ = now;
   if (!slave_) return;
-  push(slave_->to_slave, link_.hello_due(now_));
-  push(slave_->to_slave, link_.encode(message, now_));
-  sent_sequence_ = link_.sequence();
-  cut_off_ = now_ + loop_.cut_off;
+  push(Side::slave, link_->hello_due(now));
+  push(Side::slave, link_->encode(message, now));
+  sent_sequence_ = link_->sequence();
+  cut_off_ = now + loop_.cut_off;
+  // As in MasterLoop::await_answer: it reads on while it waits.
+  while (!socket_.empty() && !answered())
+    socket_.take_burst([&](auto d) { receive(Side::master, d); });
 }
 
 void Loopback::actuate() {
+  const TimePoint now = clock_.local(now_);
   cut_off_.reset();
-  const MasterTick& tick = master_.actuate(now_, peer<SlaveToMaster>(link_, now_, loop_.lost));
-  write(device_, now_, tick.tau);
+  const MasterTick& tick = master_->actuate(now, peer<SlaveToMaster>(*link_, now, loop_.lost));
+  unplugged_ ? let_go() : write(device_, now_, tick.tau);
+  if (now > next_sample_) next_sample_ += (now - next_sample_) / loop_.period * loop_.period;
   on_master(tick);
 }
 
 bool Loopback::answered() const noexcept {
-  return slave_ && link_.newest() != nullptr && link_.newest()->echo_sequence >= sent_sequence_ &&
+  return slave_ && link_->newest() != nullptr && link_->newest()->echo_sequence >= sent_sequence_ &&
          sent_sequence_ > 0;
 }
 

@@ -52,11 +52,11 @@ inline void worsen(Scene& scene, double jitter_ms) {
 }
 
 struct Pressing {
-  double stiffness = 0;         // [N/m] felt: of the force by how far the handle is behind the wall
-  double chatter = 0;           // [m/s] rms of the handle, while held
-  double drag = 0;              // [N] mean while moving freely
-  double peak_contact = 0;      // [N] robot on the wall
-  double operator_energy = 0;   // [J] the hand's work on the handle less what came back: its least
+  double stiffness = 0;        // [N/m] felt: of the force by how far the handle is behind the wall
+  double chatter = 0;          // [m/s] rms of the handle, while held
+  double drag = 0;             // [N] mean while moving freely
+  double peak_contact = 0;     // [N] robot on the wall
+  double operator_energy = 0;  // [J] the hand's work on the handle less what came back: its least
   std::uint64_t violations = 0;
   Method method = Method::direct;  // at the end
 };

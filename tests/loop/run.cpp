@@ -49,13 +49,6 @@ class SettlingWatch {
   std::size_t next_ = 0;
 };
 
-// Where the handle's true position asks the tool to be, by the references the slave took.
-Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
-  const WorkspaceState& w = slave.workspace();
-  const WorkspaceConfig& c = slave.config().workspace;
-  return w.p_SE0 + c.scale * (c.R_SM * (p_MH - w.p_MH0));
-}
-
 }  // namespace
 
 RunResult run_scene(const Scene& scene, const LoopbackOptions& options, RecordingFile* file) {

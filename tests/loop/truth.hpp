@@ -5,6 +5,7 @@
 
 #include "master/devices.hpp"
 #include "master/master.hpp"
+#include "slave/slave.hpp"
 
 namespace farhand {
 
@@ -39,6 +40,13 @@ inline std::optional<Wrench> true_user(const AnyDevice& device, const Mat3& R_MG
 inline Wrench motor_wrench(const MasterTick& t) {
   const TwinDeltaForward at = forward(kTwinDelta, t.reading.theta);
   return wrench(jacobian(kTwinDelta, at, t.handle.R_MG), t.tau);
+}
+
+// Where the handle's true position asks the tool to be, by the references the slave took.
+inline Vec3 wanted_tool(const Slave& slave, const Vec3& p_MH) {
+  const WorkspaceState& w = slave.workspace();
+  const WorkspaceConfig& c = slave.config().workspace;
+  return w.p_SE0 + c.scale * (c.R_SM * (p_MH - w.p_MH0));
 }
 
 }  // namespace farhand

@@ -118,6 +118,43 @@ TEST(Slave, AReadingThatCannotBeIsNoReading) {
   }
 }
 
+TEST(Slave, AJointThatLeapsIsNoReadingAndLeavesTheCommandAlone) {
+  Rig rig;
+  rig.engage();
+  const SlaveTick before = rig.tick(50);
+  rig.robot.q[1] = 0;
+  EXPECT_EQ(rig.tick().reason, Reason::implausible);
+  EXPECT_EQ(rig.tick().reason, Reason::implausible);  // back again is a leap, too
+  const SlaveTick& t = rig.tick();
+  EXPECT_EQ(t.mode, Mode::holding);
+  EXPECT_TRUE(t.robot.ok);
+  EXPECT_EQ(t.q_cmd, before.q_cmd);
+}
+
+// One wrong reading is not where the arm is to be driven.
+TEST(Slave, AWrongReadingDoesNotSayWhereTheRobotIsFound) {
+  const auto at = [](Rig& rig, const Vec6& q) -> const SlaveTick& {
+    rig.robot.q = q;
+    return rig.tick();
+  };
+  Vec6 wrong = kTeleopHome;
+  wrong[1] = 0;
+
+  Rig starting;
+  EXPECT_EQ(at(starting, wrong).q_cmd, wrong);
+  EXPECT_FALSE(at(starting, kTeleopHome).robot.ok);
+  EXPECT_EQ(at(starting, kTeleopHome).q_cmd, kTeleopHome);
+
+  Rig failing;
+  failing.engage();
+  failing.robot.ok = false;
+  EXPECT_EQ(failing.tick(60).mode, Mode::fault);
+  failing.robot.ok = true;
+  EXPECT_FALSE(at(failing, wrong).robot.ok);
+  EXPECT_FALSE(at(failing, kTeleopHome).robot.ok);
+  EXPECT_EQ(at(failing, kTeleopHome).q_cmd, kTeleopHome);
+}
+
 TEST(Slave, ClutchHoldsTheToolAndReleasingItDoesNotMakeItJump) {
   Rig rig;
   rig.engage();

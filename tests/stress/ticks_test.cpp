@@ -7,10 +7,8 @@
 // limits and slew, state legal. FARHAND_STRESS_TICKS sets how many (deploy/stress.sh runs 10^8).
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 
 #include "common/codec.hpp"
 #include "common/random.hpp"
@@ -18,6 +16,7 @@
 #include "master/build.hpp"
 #include "slave/build.hpp"
 #include "tests/support/scene_edits.hpp"
+#include "tests/support/senseless.hpp"
 #include "tests/support/stress.hpp"
 
 namespace farhand {
@@ -25,28 +24,8 @@ namespace {
 
 constexpr double kRoom = 1e-9;  // relative, for the limiters' own arithmetic
 
-// What no sensor should say.
-double senseless(Random& random) {
-  constexpr std::array kValues = {std::numeric_limits<double>::quiet_NaN(),
-                                  std::numeric_limits<double>::infinity(),
-                                  -std::numeric_limits<double>::infinity(),
-                                  std::numeric_limits<double>::max(),
-                                  -1e300,
-                                  1e30,
-                                  std::numeric_limits<double>::denorm_min(),
-                                  -1e-310,
-                                  0.0};
-  return kValues[random.bits() % kValues.size()];
-}
-
 bool rare(Random& random) {
   return random.uniform() < 0.01;
-}
-
-template <typename Vector>
-void spoil(Random& random, Vector& v) {
-  v[static_cast<Eigen::Index>(random.bits() % static_cast<std::uint64_t>(v.size()))] =
-      senseless(random);
 }
 
 // A point thrown about between random places of a box, and the twin delta's or Falcon's motor

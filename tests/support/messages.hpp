@@ -104,10 +104,10 @@ inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
          a.mode == b.mode && a.reason == b.reason && a.dead_man == b.dead_man &&
          a.clutch == b.clutch && a.force_wanted == b.force_wanted &&
          a.dead_man_presses == b.dead_man_presses && a.clutch_presses == b.clutch_presses &&
-         a.method == b.method &&
-         a.energies.translation == b.energies.translation &&
+         a.method == b.method && a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_user_wrench == b.has_user_wrench &&
-         a.F_user_M.force == b.F_user_M.force && a.has_felt == b.has_felt && a.F_felt_M == b.F_felt_M && a.F_user_M.torque == b.F_user_M.torque;
+         a.F_user_M.force == b.F_user_M.force && a.has_felt == b.has_felt &&
+         a.F_felt_M == b.F_felt_M && a.F_user_M.torque == b.F_user_M.torque;
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
