@@ -10,6 +10,8 @@
 namespace farhand {
 
 // A recording's numbers are the states' own.
+static_assert(static_cast<int>(Method::mmt) == record::METHOD_MMT &&
+              record::Method_ARRAYSIZE == kMethods);
 static_assert(static_cast<int>(Mode::stopped) == record::MODE_STOPPED &&
               static_cast<int>(Mode::holding) == record::MODE_HOLDING &&
               static_cast<int>(Reason::silent) == record::REASON_SILENT &&

@@ -51,6 +51,7 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedM
   append(to.mutable_torque_g_nm(), from.F_G.torque);
   append(to.mutable_tau_nm(), std::span(from.tau.data(), static_cast<std::size_t>(master.motors)));
   if (from.position_controlled) append(to.mutable_target_position_m_m(), from.p_MH_target);
+  to.set_method(static_cast<record::Method>(from.out.method));
   to.set_limits(from.limits);
   to.set_slave_mode(static_cast<record::Mode>(from.slave_mode));
   to.set_slave_reason(static_cast<record::Reason>(from.slave_reason));

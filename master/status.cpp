@@ -61,10 +61,18 @@ void MasterStatus::watch_slave(const MasterRecord& r) {
   slave_fault_ = fault;
 }
 
+// Where the method is chosen as it runs, the operator is told which and why.
+void MasterStatus::watch_method(const MasterRecord& r) {
+  if (r.tick.method_reason == method_reason_) return;
+  method_reason_ = r.tick.method_reason;
+  spdlog::info("compensation: {}: {}", to_string(r.tick.out.method), method_reason_);
+}
+
 void MasterStatus::add(const MasterRecord& r) {
   summary_.add(r.tick);
   watch_silence(r);
   watch_slave(r);
+  watch_method(r);
   watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
   watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
 }

@@ -22,12 +22,14 @@ class MasterStatus {
  private:
   void watch_silence(const MasterRecord& record);
   void watch_slave(const MasterRecord& record);
+  void watch_method(const MasterRecord& record);
 
   LoopWatch watch_;
   MasterSummary summary_;
   TimePoint first_{};
   bool silence_told_ = false;
   Reason slave_fault_ = Reason::none;
+  const char* method_reason_ = nullptr;
 };
 
 }  // namespace farhand

@@ -52,10 +52,11 @@ inline void worsen(Scene& scene, double jitter_ms) {
 }
 
 struct Pressing {
-  double stiffness = 0;        // [N/m] felt: of the force by how far the handle is behind the wall
-  double chatter = 0;          // [m/s] rms of the handle, while held
-  double drag = 0;             // [N] mean while moving freely
-  double peak_contact = 0;     // [N] robot on the wall
+  double stiffness = 0;  // [N/m] felt: of the force by how far the handle is behind the wall
+  double chatter = 0;    // [m/s] rms of the handle, while held
+  double drag = 0;       // [N] mean while moving freely
+  double force = 0, contact = 0;  // [N] mean felt and of the robot on the wall, while held
+  double peak_contact = 0;        // [N] robot on the wall
   double operator_energy = 0;  // [J] the hand's work on the handle less what came back: its least
   std::uint64_t violations = 0;
   Method method = Method::direct;  // at the end
@@ -65,7 +66,7 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
   Loopback loop(scene, {.duration_s = kPress + 2 + seconds_held});
   Checkers checkers(loop);
   Pressing out;
-  double speed2 = 0, force = 0, depth = 0, drag = 0, energy = 0;
+  double speed2 = 0, force = 0, depth = 0, drag = 0, energy = 0, contact = 0, contacts = 0;
   long n = 0, moving = 0;
   std::optional<double> free;  // where the handle is when the tool touches
   std::optional<Vec3> last;
@@ -73,6 +74,7 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
   loop.on_slave = [&](const SlaveTick& t) {
     checkers.check(t);
     out.peak_contact = std::max(out.peak_contact, t.F_E_S.force.norm());
+    contact = t.F_E_S.force.norm();
   };
   loop.on_master = [&](const MasterTick& t) {
     checkers.check(t);
@@ -85,13 +87,14 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
     if (at > 2.5 && at < kPress - 1) drag += t.F_G.force.norm(), ++moving;  // before the wall
     if (at < kPress + 1 + seconds_held) return;
     speed2 += t.out.V_MH.linear.squaredNorm();
-    force += t.F_G.force.norm();
+    force += t.F_G.force.norm(), contacts += contact;
     depth += *free - 0.03 - p.x();
     out.method = t.out.method;
     ++n;
   };
   loop.run();
   out.stiffness = force / depth;
+  out.force = force / static_cast<double>(n), out.contact = contacts / static_cast<double>(n);
   out.chatter = std::sqrt(speed2 / static_cast<double>(n));
   out.drag = drag / static_cast<double>(moving);
   out.violations = checkers.count();

@@ -82,7 +82,7 @@ std::vector<std::string> stability_warnings(const Scene& scene) {
   std::vector<std::string> out;
   const proto::Scene& s = scene.proto;
   if (!s.master().has_force_feedback() || !s.master().has_sim_hand() || !s.slave().has_sim_arm() ||
-      s.has_bilateral())
+      s.has_bilateral() || s.has_compensation())  // which the analysis does not know
     return out;
   for (int i = 0; i < surfaces(scene); ++i) {
     const AxisModel m = axis_model(scene, i);
