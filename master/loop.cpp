@@ -145,11 +145,13 @@ bool MasterLoop::wait_readable(TimePoint spun) noexcept {
   return (spins && socket_->spin_readable(spun)) || socket_->wait_readable();
 }
 
-// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood.
+// Takes everything that waits up to the answer that is awaited, behind which nothing newer can be,
+// but no more than a burst: the loop stays bounded under a flood.
 void MasterLoop::receive() noexcept {
   constexpr int kBurst = 64;
+  const bool awaiting = !answered();
   std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
-  for (int i = 0; i < kBurst; ++i) {
+  for (int i = 0; i < kBurst && !(awaiting && answered()); ++i) {
     const auto got = socket_->receive(buffer);
     if (!got) return;
     const auto datagram = std::span(buffer).first(got->size);
