@@ -27,6 +27,7 @@ void Watch::restarted(Side side, std::uint64_t session) {
   masters_session_ = 0;
   slave_began_ = loop_.now();
   q_cmd_.reset();
+  rested_ = kRested;
   told_before_ += told_;
   told_ = 0;
 }
@@ -122,14 +123,16 @@ void Watch::check(const SlaveTick& t) {
   slave_mode_ = t.mode;
 }
 
-// A robot that reads well is told to be about where it is, whatever one reading said.
+// A robot that reads well and has come to rest is told to be about where it is, whatever one
+// reading said. (Following, the wrist may be far behind its command close by a singularity.)
 void Watch::check_place(const SlaveTick& t) {
   constexpr int kWell = 5;        // [ticks]
-  constexpr double kAbout = 0.5;  // [rad] 80 ms of the wrist at its speed limit, for the servo
+  constexpr double kAbout = 0.3;  // [rad]
   read_well_ = t.robot.ok ? read_well_ + 1 : 0;
+  rested_ = t.coupled ? 0 : rested_ + 1;
   const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
   const double off = (t.q_cmd - truth.q).cwiseAbs().maxCoeff();
-  checkers_.expect(read_well_ < kWell || off <= kAbout,
+  checkers_.expect(read_well_ < kWell || rested_ < kRested || off <= kAbout,
                    "the command is far from where the robot is [rad]", off, kAbout);
 }
 

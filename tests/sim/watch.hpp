@@ -65,7 +65,8 @@ class Watch {
   Duration oldest_command_{};
   std::optional<Vec6> q_cmd_;
   bool robot_read_ = true;
-  int read_well_ = 0;  // ticks on end
+  static constexpr int kRested = 500;
+  int read_well_ = 0, rested_ = kRested;  // ticks on end
 
   // Of the port where a compensation guards the hand.
   double store_ = 0, energy_ = 0, told_before_ = 0, told_ = 0;
