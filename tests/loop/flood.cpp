@@ -101,7 +101,7 @@ int flood(const Options& options) {
   for (int i = 0; i < 4096; ++i) stock.push_back(make(random));
   UdpSocket socket(parse_udp_address("127.0.0.1:0"), parse_udp_address(options.to));
   const double each = static_cast<double>(options.rate.value_or(20000)) * seconds(kStep);
-  enter_realtime(kLoopPriority / 2);  // below the loops, above the rest: what is asked is said
+  enter_realtime({}, kLoopPriority / 2);  // below the loops, above the rest: what is asked is said
   Total said, heard;
   double due = 0;
   const TimePoint begin = monotonic_now(), end = begin + from_seconds(options.seconds);
