@@ -30,7 +30,10 @@ std::string methods(const proto::Scene& s) {
 
 UdpSocket open_socket(bool is_master, const ProgramOptions& options, const Scene& scene) {
   const auto& link = scene.proto.link();
-  if (!is_master) return UdpSocket(link_address(options.listen, link.slave_address(), scene));
+  if (!is_master) {
+    if (link.has_observer_address()) UdpSocket(link_address({}, link.observer_address(), scene));
+    return UdpSocket(link_address(options.listen, link.slave_address(), scene));
+  }
   return UdpSocket(link_address(options.listen, link.master_address(), scene),
                    link_address(options.slave, link.slave_address(), scene));
 }

@@ -50,7 +50,7 @@ Link<Out, In>::Link(const LinkConfig& config) : config_(config) {
 
 template <typename Out, typename In>
 std::span<const std::byte> Link<Out, In>::encode(const Out& message, TimePoint now) noexcept {
-  if (!peer_) return {};
+  if (!peer_ || (kSender<Out> == Role::slave && now - heard_ > config_.silence)) return {};
   Header header{.session = config_.session,
                 .peer_session = peer_->session,
                 .sequence = sequence_ + 1,
@@ -256,7 +256,8 @@ bool Link<Out, In>::too_late(const Header& header, TimePoint now) noexcept {
     late_since_.reset();
     return false;
   }
-  if (!late_since_) late_since_ = now;
+  if (!late_since_ || now - late_at_ > config_.silence) late_since_ = now;
+  late_at_ = now;
   if (now - *late_since_ < ClockSync::kWindow) return true;
   clock_.clear();
   late_since_.reset();

@@ -96,15 +96,18 @@ class Link {
  public:
   explicit Link(const LinkConfig& config);
 
-  // The next data datagram, valid until the next call of encode. Empty before the peer's hello, and
-  // for a message that is not valid (counted).
+  // The next data datagram, valid until the next call of encode. Empty before the peer's hello, for
+  // a message that is not valid (counted), and from a slave to a master that it has not heard for
+  // config.silence: no stream runs on to where nobody may be.
   std::span<const std::byte> encode(const Out& message, TimePoint now) noexcept;
 
   // A hello if one is due now, which makes the next one due a period later; otherwise empty. Valid
   // until the next call of hello_due.
   std::span<const std::byte> hello_due(TimePoint now) noexcept;
 
-  // Only `accepted` changes what the link knows of its peer (and a refused hello, peer_refusal).
+  // Only `accepted` changes what the link knows of its peer; but a refused hello is remembered
+  // (peer_refusal), `too_late` is still a sign of life, and `leased` tells a master that it leads
+  // no more.
   Verdict receive(std::span<const std::byte> datagram, TimePoint now) noexcept;
 
   // A slave's word to the sender of the last datagram received, who has not the lease; to be sent
@@ -172,6 +175,7 @@ class Link {
   std::size_t retirements_ = 0;
   SequenceWindow window_;
   ClockSync clock_;
+  TimePoint late_at_{};                  // the last of them
   std::optional<TimePoint> late_since_;  // since then, all that is new came too late
   std::optional<Received<In>> newest_;
   In incoming_;

@@ -11,6 +11,9 @@
 
 namespace farhand {
 
+// Normals with a larger cosine between them are of the same wall.
+inline constexpr double kSameWall = 0.8;
+
 // In the handle's terms, as sent. `k` is the wall in series with the robot's servo, for x the
 // robot's target: what a handle without delay would feel.
 struct LocalWall {

@@ -15,8 +15,7 @@ namespace farhand {
 
 struct MethodChoiceConfig {
   double device_damping = 10;  // B_h [N s/m] of hand and device, dependable
-  double force_share = 1;      // kf
-  double stiffest = 1000;      // ke [N/m] expected, while none is known
+  double stiffest = 1000;      // k [N/m] expected, as felt, while none is known; > 0
   double sure_for = 1;         // [s] that the model must have been sure and the wall still
   double quiet = 0.5;          // [N] felt, below which a change is not noticed
 };
@@ -30,7 +29,7 @@ struct MethodChoice {
 struct MethodEvidence {
   double rtt = 0;        // round trip that hardly any message exceeds [s]; 0: not known
   bool sure = false;     // the slave's model of the wall is confident and the wall has not moved
-  double stiffness = 0;  // of that wall [N/m]; 0: none known
+  double stiffness = 0;  // of that wall as felt [N/m]; 0: none known
   double felt = 0;       // force now [N]
   bool ringing = false;  // direct feedback gave the hand more energy than it had from it
 };
@@ -41,9 +40,7 @@ class MethodChooser {
 
   // RTT [s] below which direct feedback is chosen, where the wall has this stiffness.
   double direct_limit(double stiffness = 0) const noexcept {
-    const double k =
-        std::max(config_.force_share * stiffness, config_.force_share * config_.stiffest);
-    return config_.device_damping / (2 * k);
+    return config_.device_damping / (2 * std::max(stiffness, config_.stiffest));
   }
 
   // Once per tick.
@@ -79,14 +76,20 @@ class MethodChooser {
   bool rang_ = false;
 };
 
-// From one method's force to another's without a jump.
+// From one method's force to another's without a jump: the new one comes as the old one goes. What
+// is left of the old one is under no guard any more, so it may only resist.
 class MethodBlend {
  public:
   static constexpr double kTime = 0.3;  // [s]
   void start(const Vec3& F_before) noexcept { from_ = F_before, left_ = 1; }
-  Vec3 step(const Vec3& F, double Ts) noexcept {
+  // Share of the new method's force.
+  double step(double Ts) noexcept {
     left_ = std::max(left_ - Ts / kTime, 0.0);
-    return F + left_ * (from_ - F);
+    return 1 - left_;
+  }
+  // Of the old one, of the handle on what it is coupled to, while the handle moves with v.
+  Vec3 rest(const Vec3& v) const noexcept {
+    return from_.dot(v) >= 0 ? Vec3(left_ * from_) : Vec3::Zero();
   }
 
  private:

@@ -42,6 +42,16 @@ void add_compensation_rules(SceneRules& r) {
       r, "",
       [](const Scene& s, const C&) { return s.has_slave() && !s.slave().has_force_sensing(); },
       "goes by what the robot touches, which nothing senses", "add force_sensing {} to the slave");
+  rule<C>(
+      r, "",
+      [](const Scene& s, const C&) {
+        return s.has_slave() && s.slave().workspace().force_scale() == 0;
+      },
+      "goes by forces, and workspace.force_scale is 0", "give another force_scale");
+  rule<C>(
+      r, "", [](const Scene& s, const C& c) { return !c.has_damped() && s.slave().has_boundary(); },
+      "lets the hand feel the wall that is touched, not the robot's boundary",
+      "remove the slave's boundary, or use damped {}");
   not_on_falcon<D>(r, {"rotation_stiffness_newton_m_per_rad", "max_rotation_damping_newton_m_s",
                        "twist_stiffness_newton_m_per_rad", "max_twist_damping_newton_m_s",
                        "virtual_inertia_kg_m2"});

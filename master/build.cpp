@@ -78,10 +78,11 @@ MediatedCouplingConfig mediated_coupling(const proto::Scene& scene, double Ts) {
 
 ChosenCouplingConfig chosen_coupling(const proto::Scene& scene, double Ts) {
   const proto::AutoCompensation& a = scene.compensation().auto_();
+  const proto::Workspace& w = scene.slave().workspace();
+  const double scales = w.scale() * w.force_scale();
   ChosenCouplingConfig c;
   c.choice = {.device_damping = a.device_damping_newton_s_per_m(),
-              .force_share = scene.slave().workspace().force_scale(),
-              .stiffest = a.stiffest_newton_per_m()};
+              .stiffest = a.stiffest_newton_per_m() * scales};
   c.delay.Ts = Ts;
   c.damped = damped_coupling(scene, Ts);
   c.mediated = mediated_coupling(scene, Ts);

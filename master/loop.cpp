@@ -60,7 +60,7 @@ void MasterLoop::turn() noexcept {
   const TimePoint sent = monotonic_now();
   send(message);
   const TimePoint waiting = monotonic_now();
-  await_answer(begin + config_.cut_off);
+  await_answer();
   const TimePoint acting = monotonic_now();
   record_->tick = master_.actuate(acting, slave(acting));
   const TimePoint decided = monotonic_now();
@@ -78,11 +78,13 @@ void MasterLoop::turn() noexcept {
 
 // The wait for the answer finds its timer set; only a late turn has to set it anew.
 TimePoint MasterLoop::wake() noexcept {
-  if (socket_ != nullptr) socket_->set_deadline(next_ + config_.cut_off);
+  cut_off_ = next_ + config_.cut_off;
+  if (socket_ != nullptr) socket_->set_deadline(cut_off_);
   sleep_until(next_, config_.spin);
   const TimePoint begin = monotonic_now();
-  if (socket_ != nullptr && begin - next_ > config_.cut_off / 4)
-    socket_->set_deadline(begin + config_.cut_off);
+  if (begin - next_ <= config_.cut_off / 4) return begin;
+  cut_off_ = begin + config_.cut_off;
+  if (socket_ != nullptr) socket_->set_deadline(cut_off_);
   return begin;
 }
 
@@ -129,12 +131,12 @@ bool MasterLoop::answered() const noexcept {
   return link_->newest() != nullptr && link_->newest()->echo_sequence >= sent_sequence_;
 }
 
-void MasterLoop::await_answer(TimePoint until) noexcept {
+void MasterLoop::await_answer() noexcept {
   if (link_ == nullptr) return;
-  const TimePoint spun = std::min(until, monotonic_now() + config_.spin);
+  const TimePoint spun = std::min(cut_off_, monotonic_now() + config_.spin);
   bool waits = !answered();  // or nothing was sent
   do {
-    waits = waits && monotonic_now() < until && wait_readable(spun);
+    waits = waits && monotonic_now() < cut_off_ && wait_readable(spun);
     receive();
   } while (waits && !answered());
 }

@@ -47,7 +47,7 @@ class MasterLoop {
   Peer<SlaveToMaster> slave(TimePoint now) const noexcept;
   TimePoint wake() noexcept;
   void send(const MasterToSlave& message) noexcept;
-  void await_answer(TimePoint until) noexcept;
+  void await_answer() noexcept;
   bool wait_readable(TimePoint spun) noexcept;
   void receive() noexcept;
   bool answered() const noexcept;
@@ -63,6 +63,7 @@ class MasterLoop {
   Recorder<MasterRecord>& recorder_;
   OverrunSplit split_;
   TimePoint next_{};
+  TimePoint cut_off_{};  // of this turn's wait for the answer
   std::uint64_t sent_sequence_ = 0;
   MasterRecord* record_ = nullptr;  // this turn's, in the recorder's queue
 };

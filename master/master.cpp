@@ -36,6 +36,8 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.mode = tick_.mode;
   out.reason = tick_.reason;
   if (compensated_) compensated_->tell(out);
+  if (compensated_ && compensated_->choice() != nullptr)
+    tick_.method_reason = compensated_->choice()->reason;
   out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
   if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
@@ -110,9 +112,9 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
   } else if (usable()) {
     tick_.limits |= kLimitAcceptance;
     if (force_) force_->let_go();
-    if (compensated_) compensated_->let_go();
     if (position_) position_->let_go();
   }
+  if (forces_ != Status::ok && compensated_) compensated_->let_go();
   tick_.tau = limit_motor_torques(
       config_.max_motor_torque, config_.max_motor_torque * config_.Ts / config_.torque_rise_time_s,
       tau, tick_.tau, tick_.limits);
@@ -173,8 +175,6 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   if (config_.robot_coupling) tick_.F_coupling_G = {};
   tick_.F_env_G = felt ? environment(slave, share) : Wrench{};
   if (compensated_ && !felt) compensated_->let_go();
-  if (compensated_ && compensated_->choice() != nullptr)
-    tick_.method_reason = compensated_->choice()->reason;
   if (config_.guidance && tick_.mode == Mode::engaged)
     tick_.F_env_G = tick_.F_env_G - guide(*config_.guidance, handle_, tick_.handle, tick_.out.V_MH);
   const Wrench F_G = force_->step({.F_env_G = tick_.F_env_G,

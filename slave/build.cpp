@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "common/scene_bilateral.hpp"
@@ -119,17 +120,19 @@ DampedTargetConfig damped_target(const proto::Scene& scene, const SlaveConfig& s
   return c;
 }
 
-// Without its rotation. The servo is where the robot is: in the handle's terms it is as much
-// stiffer as forces are larger and ways longer there.
+// Without its rotation. What the scene says of the robot, in the handle's terms.
 MediatedTargetConfig mediated_target(const proto::Scene& scene, const SlaveConfig& slave) {
   const proto::MediatedCompensation& m = mediated(scene);
-  const double scales = slave.workspace.scale * slave.workspace.force_scale;
+  const double force_scale = slave.workspace.force_scale,
+               scales = slave.workspace.scale * force_scale;
   MediatedTargetConfig c;
   c.finder.Ts = c.finder.estimate.Ts = slave.Ts;
-  if (scales > 0) c.finder.servo_stiffness = m.servo_stiffness_newton_per_m() * scales;
+  c.finder.servo_stiffness = m.servo_stiffness_newton_per_m() * scales;
+  c.finder.feared_stiffness *= scales;
   c.finder.max_stiffness = m.max_stiffness_newton_per_m();
-  c.finder.touch = m.contact_newton();
-  c.finder.max_force = m.max_contact_newton();
+  c.finder.touch = m.contact_newton() * force_scale;
+  c.finder.miss_felt = std::min(c.finder.miss_felt, 0.4 * c.finder.touch);
+  c.finder.max_force = m.max_contact_newton() * force_scale;
   return c;
 }
 

@@ -48,16 +48,22 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   return tick_;
 }
 
-// No joint leaps. After a longer gap it may be anywhere, but then it takes two readings that agree.
+// No joint leaps. After a longer gap, or a leap that stays, it takes two readings that agree; and
+// then the robot is held where they find it.
 bool Slave::continues(const RobotReading& robot) noexcept {
+  const bool leapt = read_ && leaps(*read_, robot.q);
+  if (!leapt && believed_ && leaps(*believed_, robot.q)) blind_ = true;
+  read_ = {robot.q, tick_.now};
+  if (!leapt) believed_ = read_;
+  return !leapt;
+}
+
+bool Slave::leaps(const Place& from, const Vec6& q) const noexcept {
   constexpr double kLeap = 0.05;  // [rad] beside twice what its speed allows
   constexpr Duration kGap = std::chrono::milliseconds(50);
-  const double since = seconds(std::clamp(tick_.now - read_at_, Duration::zero(), kGap));
+  const double since = seconds(std::clamp(tick_.now - from.at, Duration::zero(), kGap));
   const Vec6 way = 2 * since * config_.joints.speed + Vec6::Constant(kLeap);
-  const bool leapt = q_read_ && ((robot.q - *q_read_).cwiseAbs() - way).maxCoeff() > 0;
-  q_read_ = robot.q;
-  read_at_ = tick_.now;
-  return !leapt;
+  return ((q - from.q).cwiseAbs() - way).maxCoeff() > 0;
 }
 
 // What the robot does is not known: nobody may feel or follow it.
@@ -77,7 +83,7 @@ void Slave::find_again() noexcept {
 void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept {
   const MasterToSlave* in = master.newest;
   const bool clutched = in != nullptr && in->clutch_presses > clutch_presses_;
-  if (in != nullptr) clutch_presses_ = in->clutch_presses;
+  clutch_presses_ = in != nullptr ? in->clutch_presses : kNoPressIsNew;
   state_ = next_mode(
       state_,
       {.equipment = tick_.robot.ok ? Equipment::ok

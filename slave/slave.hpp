@@ -79,8 +79,15 @@ class Slave {
   const std::optional<Boundary>& boundary() const noexcept { return boundary_; }
 
  private:
+  static constexpr std::uint32_t kNoPressIsNew = UINT32_MAX;
+  struct Place {
+    Vec6 q;
+    TimePoint at{};
+  };
+
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
   bool continues(const RobotReading& robot) noexcept;
+  bool leaps(const Place& from, const Vec6& q) const noexcept;
   void stay_blind() noexcept;
   void find_again() noexcept;
   void move_target(const Peer<MasterToSlave>& master) noexcept;
@@ -104,9 +111,9 @@ class Slave {
   std::optional<CompensatedTarget> compensated_;
   ModeState state_;
   bool stop_ = false;
-  std::uint32_t clutch_presses_ = 0;  // of the last message seen
-  std::optional<Vec6> q_read_;        // of the last reading, believed or not, and
-  TimePoint read_at_{};               // when that was
+  // Of the last message seen. Those of a master not heard yet were meant for no fault of ours.
+  std::uint32_t clutch_presses_ = kNoPressIsNew;
+  std::optional<Place> read_, believed_;  // the last readings
   bool started_ = false;
   bool found_ = false;            // in the last tick, by one reading alone
   bool blind_ = false;            // through a fault

@@ -1,5 +1,7 @@
 #include "master/compensation/chosen_coupling.hpp"
 
+#include "common/limits.hpp"
+
 namespace farhand {
 
 ChosenCoupling::ChosenCoupling(const ChosenCouplingConfig& c) noexcept
@@ -8,15 +10,19 @@ ChosenCoupling::ChosenCoupling(const ChosenCouplingConfig& c) noexcept
       chooser_(c.choice),
       damped_(c.damped),
       mediated_(c.mediated),
-      tank_(c.mediated.tank) {
+      tank_(c.mediated.tank),
+      max_force_(c.damped.max_force) {
   if (c.rotation) rotation_.emplace(*c.rotation);
 }
 
 Wrench ChosenCoupling::step(const CouplingInputs& in) noexcept {
   choose(in);
-  Wrench F_G = force(in);
-  F_M_ = blend_.step(in.handle.R_MG * F_G.force, Ts_);
-  F_G.force = in.handle.R_MG.transpose() * F_M_;
+  const LocalWall& wall = in.robot.wall;
+  const double allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
+  CouplingInputs blended = in;
+  blended.share *= blend_.step(Ts_);
+  F_M_ = in.handle.R_MG * force(blended, allowed).force + blend_.rest(in.V_MH.linear);
+  Wrench F_G{.force = in.handle.R_MG.transpose() * F_M_};
   const double share = fade_in_.step(in.share, Ts_);
   if (rotation_) F_G.torque = rotation_->step(in, share);
   return F_G;
@@ -32,28 +38,27 @@ void ChosenCoupling::choose(const CouplingInputs& in) noexcept {
                            .ringing = ringing_},
                           Ts_);
   if (choice_.method == before) return;
+  ringing_ = false;
   blend_.start(F_M_);
   damped_.change_over();
   mediated_.let_go();
 }
 
-Wrench ChosenCoupling::force(const CouplingInputs& in) noexcept {
+Wrench ChosenCoupling::force(const CouplingInputs& in, double allowed) noexcept {
   switch (choice_.method) {
     case Method::mmt:
-      return mediated_.step(in);
+      return mediated_.render(in, allowed);
     case Method::direct:
-      return direct(in);
+      return direct(in, allowed);
     default:
       return damped_.step(in);
   }
 }
 
 // The contact force as it comes; what drives the hand must have been put in.
-Wrench ChosenCoupling::direct(const CouplingInputs& in) noexcept {
-  const LocalWall& wall = in.robot.wall;
-  const double allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
+Wrench ChosenCoupling::direct(const CouplingInputs& in, double allowed) noexcept {
   ringing_ = allowed < 1;
-  Vec3 F_M = in.share * in.robot.F_E_M.force;
+  Vec3 F_M = in.share * clamp_norm(in.robot.F_E_M.force, max_force_);
   if (F_M.dot(in.V_MH.linear) < 0) F_M *= allowed;
   return {.force = in.handle.R_MG.transpose() * F_M};
 }

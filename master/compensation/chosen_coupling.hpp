@@ -1,6 +1,7 @@
 // `auto` at the handle: the method is chosen by delay and by what the slave knows
 // (common/method_choice.hpp), told to the slave, and taken up without a jump of the force.
-// Direct feedback is under an operator's tank of its own, which also tells when it rings.
+// Direct feedback and the rendered wall are under one operator's tank, which also tells when direct
+// feedback rings.
 // Translation alone changes its method; rotation is P+d with all of them.
 #pragma once
 
@@ -36,8 +37,8 @@ class ChosenCoupling {
 
  private:
   void choose(const CouplingInputs& in) noexcept;
-  Wrench force(const CouplingInputs& in) noexcept;
-  Wrench direct(const CouplingInputs& in) noexcept;
+  Wrench force(const CouplingInputs& in, double allowed) noexcept;
+  Wrench direct(const CouplingInputs& in, double allowed) noexcept;
 
   double Ts_;
   EchoDelay delay_;
@@ -46,7 +47,8 @@ class ChosenCoupling {
   MethodBlend blend_;
   DampedCoupling damped_;
   MediatedCoupling mediated_;
-  OperatorTank tank_;  // of direct feedback
+  OperatorTank tank_;  // of the operator's port, for all that is given
+  double max_force_;
   bool ringing_ = false;
   FadeIn fade_in_;
   std::optional<DampedRotation> rotation_;

@@ -7,7 +7,7 @@ namespace farhand {
 Vec3 WallRenderer::step(const Vec3& x_m, const Vec3& v_m, const LocalWall& told,
                         double out_share) noexcept {
   const Vec3 drag = config_.drag * v_m;
-  if (told.known && !wall_.known) {
+  if (told.known && (!wall_.known || is_another(told))) {
     wall_ = told;
     wall_.x_w += std::max(depth(x_m), 0.0) * wall_.n;
   }
@@ -19,6 +19,10 @@ Vec3 WallRenderer::step(const Vec3& x_m, const Vec3& v_m, const LocalWall& told,
   return std::max(0.0, wall_.k * depth(x_m) + wall_.b * v) * wall_.n + drag;
 }
 
+bool WallRenderer::is_another(const LocalWall& told) const noexcept {
+  return told.contacts != wall_.contacts && told.n.dot(wall_.n) < kSameWall;
+}
+
 void WallRenderer::agree(const Vec3& x_m, const LocalWall& told) noexcept {
   const double in = depth(x_m), share = std::min(1.0, config_.Ts / config_.agree_time);
   if (!told.known) {  // fades
@@ -28,10 +32,14 @@ void WallRenderer::agree(const Vec3& x_m, const LocalWall& told) noexcept {
     return;
   }
   const double F = wall_.k * std::max(in, 0.0), step = config_.stiffness_rate * wall_.k;
-  wall_.k = std::clamp(told.k, wall_.k - step, wall_.k + step);
+  wall_.k = F > 0 ? std::clamp(told.k, wall_.k - step, wall_.k + step) : told.k;
   wall_.b = told.b;
   wall_.n = told.n;
-  if (F > 0) wall_.x_w += (depth(x_m) - F / wall_.k) * wall_.n;
+  wall_.contacts = told.contacts;
+  if (F > 0)
+    wall_.x_w += (depth(x_m) - F / wall_.k) * wall_.n;
+  else
+    wall_.x_w += std::max(depth(x_m), 0.0) * wall_.n;
   wall_.x_w += share * (told.x_w - wall_.x_w);
 }
 

@@ -5,7 +5,8 @@
 //   F = max(0, k_L (x_m - x_L) . n + b v . n) n + D v,        x_L' = (x_w - x_L) / 0.15 s
 //
 // and agrees with the slave's slowly, linearly (a limited rate would limit-cycle). When the first
-// contact is told the hand is inside already: the wall begins where the hand is. The stiffness
+// contact is told, or one with another wall, the hand is inside already: the wall begins where the
+// hand is. A normal that turns never puts a hand that is free into the wall. The stiffness
 // moves by at most 2 %/ms, at constant force. A wall that is gone fades in the same 0.15 s.
 //
 // Guaranteed by the operator's tank alone (master/compensation/operator_tank.hpp): a local model
@@ -37,6 +38,7 @@ class WallRenderer {
   void forget() noexcept { wall_.known = false; }
 
  private:
+  bool is_another(const LocalWall& told) const noexcept;
   void agree(const Vec3& x_m, const LocalWall& told) noexcept;
   double depth(const Vec3& x_m) const noexcept { return (x_m - wall_.x_w).dot(wall_.n); }
 

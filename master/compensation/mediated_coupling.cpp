@@ -10,11 +10,13 @@ MediatedCoupling::MediatedCoupling(const MediatedCouplingConfig& c) noexcept
 }
 
 Wrench MediatedCoupling::step(const CouplingInputs& in) noexcept {
-  const double share = fade_in_.step(in.share, Ts_);
-  const Vec3& p_MH = in.handle.X_MH.p;
   const LocalWall& wall = in.robot.wall;
-  const double out_share = tank_.step(F_M_, p_MH, wall.net, wall.contacts);
-  const Vec3 F_M = renderer_.step(p_MH, in.V_MH.linear, wall, out_share);
+  return render(in, tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts));
+}
+
+Wrench MediatedCoupling::render(const CouplingInputs& in, double out_share) noexcept {
+  const double share = fade_in_.step(in.share, Ts_);
+  const Vec3 F_M = renderer_.step(in.handle.X_MH.p, in.V_MH.linear, in.robot.wall, out_share);
   F_M_ = share * clamp_norm(F_M, max_force_);
   Wrench F_G{.force = in.handle.R_MG.transpose() * F_M_};
   if (rotation_) F_G.torque = rotation_->step(in, share);

@@ -16,11 +16,13 @@ void ChosenTarget::start(const Pose& X_MT) noexcept {
 Pose ChosenTarget::step(const TargetInputs& in) noexcept {
   const MasterToSlave& handle = in.handle;
   Pose next = mediated_.step(in);  // watches in any case
-  if (handle.method == Method::damped)
+  if (method_ == Method::damped && handle.method != method_) damped_.change_over();
+  method_ = handle.method;
+  if (method_ == Method::damped)
     next.p = damped_.step(in).p;
   else
     damped_.start(in.X_MT);  // the mass goes with the target, at its speed
-  if (handle.method == Method::direct)
+  if (method_ != Method::damped && method_ != Method::mmt)
     next.p = handle.p_MH + path(concealment_, in.age) * handle.V_MH.linear;
   if (rotation_) next.R = rotation_->step(in);
   return next;

@@ -33,6 +33,7 @@ class ChosenTarget {
   MediatedTarget mediated_;
   ConcealmentConfig concealment_;
   std::optional<DampedTurn> rotation_;
+  Method method_ = Method::direct;  // of the last tick
 };
 
 }  // namespace farhand

@@ -26,6 +26,8 @@ class DampedTarget {
 
   // At rest in X_MT: when the robot begins to follow.
   void start(const Pose& X_MT) noexcept;
+  // Another method will be at work: of what the guard has in hand only its store is kept.
+  void change_over() noexcept { translation_.cap(); }
   // The target after this tick, as a handle pose.
   Pose step(const TargetInputs& in) noexcept;
   // What the master must know, into the next message.

@@ -16,7 +16,7 @@ Vec3 WallFinder::step(const Vec3& x_wish, const Vec3& F_felt, const Vec3& x_sd, 
     estimate_.step((x - x_0_).dot(wall_.n), v.dot(wall_.n), F_e.dot(wall_.n));
     place(x_sd, F_e);
   }
-  const double expected = wall_.k * (x_sd - wall_.x_w).dot(wall_.n);
+  const double expected = k_hold_ * (x_sd - x_hold_).dot(wall_.n);
   const bool misses = expected > config_.miss_expected && f < config_.miss_felt;
   missed_ = wall_.known && misses ? missed_ + config_.Ts : 0;
   if (missed_ >= config_.miss_time) wall_.known = false;
@@ -25,17 +25,24 @@ Vec3 WallFinder::step(const Vec3& x_wish, const Vec3& F_felt, const Vec3& x_sd, 
 }
 
 void WallFinder::touch(const Vec3& x_sd, const Vec3& x, const Vec3& F_e) noexcept {
-  constexpr double kOtherWall = 0.8;  // cosine of the normals
   const Vec3 n = F_e.normalized();
   in_contact_ = true;
   ++wall_.contacts;
   wall_.net = 0;
   x_0_ = x;
-  if (wall_.known && n.dot(wall_.n) > kOtherWall) return;
+  if (wall_.known && n.dot(wall_.n) > kSameWall) return slide(x_sd);
   estimate_.reset();
   wall_ = {.known = true, .x_w = x_sd, .n = n, .contacts = wall_.contacts};
+  wall_.k = in_series(std::min(config_.bias * estimate_.k(), config_.max_stiffness));
   settled_ = x_hold_ = x_sd;
   k_hold_ = in_series(config_.feared_stiffness);
+}
+
+// Along the known wall to where it is touched now: a normal that turns must not swing it round a
+// place left long ago.
+void WallFinder::slide(const Vec3& x_sd) noexcept {
+  for (Vec3* at : {&wall_.x_w, &x_hold_, &settled_})
+    *at = x_sd - (x_sd - *at).dot(wall_.n) * wall_.n;
 }
 
 void WallFinder::forget() noexcept {
@@ -51,13 +58,14 @@ bool WallFinder::sure() const noexcept {
 void WallFinder::place(const Vec3& x_sd, const Vec3& F_e) noexcept {
   const double k = config_.bias * estimate_.k();
   const double share = std::min(1.0, config_.Ts / config_.place_time);
+  const double hold_share = std::min(1.0, config_.Ts / config_.hold_time);
   wall_.k = in_series(std::min(k, config_.max_stiffness));
   k_hold_ = in_series(estimate_.learnt() ? k : std::max(k, config_.feared_stiffness));
   wall_.b = estimate_.b();
   wall_.n = (wall_.n + share * (F_e.normalized() - wall_.n)).normalized();
   const double F = F_e.dot(wall_.n);
   wall_.x_w += share * (x_sd - F / wall_.k * wall_.n - wall_.x_w);
-  x_hold_ += share * (x_sd - F / k_hold_ * wall_.n - x_hold_);
+  x_hold_ += hold_share * (x_sd - F / k_hold_ * wall_.n - x_hold_);
   settled_ += std::min(1.0, config_.Ts / config_.settle_time) * (wall_.x_w - settled_);
 }
 

@@ -31,6 +31,7 @@ struct WallFinderConfig {
   double over_felt = 5;            // [N] by which it may press more than the hand feels;
   double feared_stiffness = 5000;  // [N/m] for which that is sure before the wall's is learnt
   double place_time = 0.01;        // [s] filter of x_w and n
+  double hold_time = 0.1;  // [s] of what the target is held back by: a loop around the servo
   double miss_expected = 0.8, miss_felt = 0.2, miss_time = 0.02;  // [N], [s]: no wall any more
   double settle_time = 0.3, settled_within = 0.001;  // [s], [m]: a wall that stands still
   WallEstimateConfig estimate;
@@ -53,6 +54,7 @@ class WallFinder {
 
  private:
   void touch(const Vec3& x_sd, const Vec3& x, const Vec3& F_e) noexcept;
+  void slide(const Vec3& x_sd) noexcept;
   void place(const Vec3& x_sd, const Vec3& F_e) noexcept;
   bool sure() const noexcept;
   double in_series(double k) const noexcept;

@@ -334,6 +334,18 @@ inline std::vector<BrokenScene> broken_scenes() {
       {slave + "master { " + hand + "realtime { cpu: @1024 } }", "master.realtime.cpu", "nproc"},
       {master + "slave { sim_arm {} workspace {} joint_pid {} realtime { spin_us: @251 } }",
        "slave.realtime.spin_us", "a quarter of the tick period"},
+      {"master { " + hand +
+           "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {} "
+           "force_sensing {} }\n@compensation {}",
+       "compensation", "names no method"},
+      {"master { " + hand +
+           "force_feedback {} }\nslave { sim_arm {} workspace {} joint_pid {} }\n@compensation { "
+           "auto {} }",
+       "compensation", "which nothing senses"},
+      {"master { " + hand +
+           "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {} "
+           "force_sensing {} boundary {} }\n@compensation { mmt {} }",
+       "compensation", "use damped {}"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
       {with_link("stale_ms: 50\n max_late_ms: @49"), "link.max_late_ms", "less than stale_ms"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},

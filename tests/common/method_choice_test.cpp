@@ -14,7 +14,7 @@ const MethodChoice& after(MethodChooser& c, double seconds, double rtt, bool sur
 }
 
 TEST(MethodChooser, GoesByDelayAndByWhatIsKnown) {
-  MethodChooser c({.device_damping = 10, .force_share = 1, .stiffest = 1000});
+  MethodChooser c({.device_damping = 10, .stiffest = 1000});
   EXPECT_NEAR(c.direct_limit(), 0.005, 1e-15);
   EXPECT_EQ(after(c, 0, 0, false, 0).method, Method::damped);  // nothing known yet
   EXPECT_EQ(after(c, 0, 0.002, false, 0).method, Method::direct);
@@ -63,15 +63,25 @@ TEST(MethodChooser, KnowsThatAStifferWallBearsLessDelay) {
 
 TEST(MethodBlend, ChangesAForceWithoutAJump) {
   MethodBlend b;
-  EXPECT_EQ(b.step(Vec3(1, 0, 0), 0.001), Vec3(1, 0, 0));
+  const Vec3 still = Vec3::Zero(), F_new(1, 0, 0);
+  EXPECT_EQ(b.step(0.001), 1);
   b.start(Vec3(5, 0, 0));
   double last = 5;
   for (int i = 0; i < 310; ++i) {
-    const double F = b.step(Vec3(1, 0, 0), 0.001).x();
-    EXPECT_LE(std::abs(F - last), 4 * 0.001 / MethodBlend::kTime + 1e-12);
+    const double share = b.step(0.001);
+    const double F = (share * F_new + b.rest(still)).x();
+    EXPECT_LE(std::abs(F - last), 5 * 0.001 / MethodBlend::kTime + 1e-12);
     last = F;
   }
   EXPECT_EQ(last, 1);
+}
+
+TEST(MethodBlend, WhatIsLeftOfTheOldForceDrivesNobody) {
+  MethodBlend b;
+  b.start(Vec3(5, 0, 0));
+  b.step(0.001);
+  EXPECT_GT(b.rest(Vec3(0.1, 0, 0)).x(), 4.9);
+  EXPECT_EQ(b.rest(Vec3(-0.1, 0, 0)), Vec3::Zero());
 }
 
 }  // namespace

@@ -39,6 +39,39 @@ TEST(WallRenderer, ChangesItsStiffnessAtConstantForce) {
   EXPECT_NEAR(r.step(x + 0.001 * kNormal, Vec3::Zero(), wall(4000), 1).norm(), 9, 1e-6);
 }
 
+// The floor, then a side wall a long way off; and the floor again with friction turning the normal.
+TEST(WallRenderer, AnotherWallBeginsWhereTheHandIs) {
+  for (const Vec3& n : {Vec3(Vec3::UnitX()), Vec3(Vec3(0.28, 0, -0.96))}) {
+    WallRenderer r({.drag = 0});
+    LocalWall told{.known = true, .n = -Vec3::UnitZ(), .k = 1000, .contacts = 1};
+    for (int i = 0; i < 500; ++i) r.step(Vec3(0, 0, -0.005), Vec3::Zero(), told, 1);
+    const Vec3 away(0.2, 0, 0.001);
+    for (int i = 0; i < 100; ++i) r.step(away, Vec3::Zero(), told, 1);
+    told.n = n, told.x_w = away, told.contacts = 2;
+    EXPECT_LT(r.step(away + 0.005 * n, Vec3::Zero(), told, 1).norm(), 0.5) << n.transpose();
+    Vec3 F;
+    for (int i = 0; i < 2000; ++i) F = r.step(away + 0.005 * n, Vec3::Zero(), told, 1);
+    EXPECT_NEAR((F - 5 * n).norm(), 0, 0.01) << n.transpose();
+  }
+}
+
+// The same wall, touched elsewhere: its plane goes through where it is touched now.
+TEST(WallFinder, SlidesAlongItsWall) {
+  WallFinder f({});
+  const auto press = [&f](const Vec3& at, const Vec3& n) {
+    for (int i = 0; i < 300; ++i) {
+      const double in = 0.003 * i / 300, v = 0.01;
+      const Vec3 x = at + in * n;
+      f.step(x, 5 * n, x, x, v * n, 1000 * in * n);
+    }
+  };
+  press(Vec3::Zero(), Vec3::UnitZ());
+  const Vec3 there(0.1, 0, 0), n = Vec3(0.28, 0, 0.96);
+  press(there, n);
+  EXPECT_LT(std::abs((f.wall().x_w - there).dot(n)), 0.001);
+  EXPECT_EQ(f.wall().contacts, 2u);
+}
+
 TEST(WallRenderer, NeverPullsAndFadesWhenTheWallIsGone) {
   WallRenderer r({.drag = 0});
   const Vec3 x = wall().x_w + 0.01 * kNormal;

@@ -7,8 +7,10 @@ namespace farhand {
 
 Watch::Watch(const Loopback& loop, Checkers& checkers, Duration max_late)
     : loop_(loop), checkers_(checkers), max_late_(max_late) {
-  const auto& damped = loop.master().config().damped;
-  if (damped) store_ = damped->guard.store;
+  const auto& method = loop.master().config().compensated;
+  if (!method) return;
+  if (const auto* damped = std::get_if<DampedCouplingConfig>(&*method))
+    store_ = damped->guard.store;
 }
 
 void Watch::restarted(Side side, std::uint64_t session) {
@@ -17,7 +19,7 @@ void Watch::restarted(Side side, std::uint64_t session) {
     master_session_ = session;
     slaves_session_ = 0;
     dead_man_ = false;
-    energy_ = told_before_ = 0;
+    energy_ = 0;
     told_before_ = -told_;
     F_M_.reset();
     not_in_order_ = loop_.now();

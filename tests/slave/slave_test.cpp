@@ -131,6 +131,33 @@ TEST(Slave, AJointThatLeapsIsNoReadingAndLeavesTheCommandAlone) {
   EXPECT_EQ(t.q_cmd, before.q_cmd);
 }
 
+// An encoder that slipped, or an arm that was moved while nobody read it.
+TEST(Slave, WhereALeapStaysTheRobotIsHeldAndNotDrivenBack) {
+  Rig rig;
+  rig.engage();
+  rig.tick(50);
+  Vec6 there = kTeleopHome;
+  there[1] += 0.5;
+  rig.robot.q = there;
+  EXPECT_FALSE(rig.tick().robot.ok);
+  rig.robot.q = there;
+  EXPECT_TRUE(rig.tick().robot.ok);
+  EXPECT_EQ(rig.tick(20).q_cmd, there);
+}
+
+TEST(Slave, ClutchPressesOfAMasterNotHeardYetClearNoFault) {
+  Rig rig;
+  rig.tick(10);
+  rig.robot.ok = false;
+  ASSERT_EQ(rig.tick(60).mode, Mode::fault);
+  rig.robot.ok = true;
+  rig.slave.tick(rig.now += milliseconds(1), {}, rig.robot);  // nobody
+  rig.message.clutch_presses = 7;  // another master, pressed while it waited
+  EXPECT_EQ(rig.tick(5).mode, Mode::fault);
+  rig.message.clutch_presses = 8;
+  EXPECT_NE(rig.tick(5).mode, Mode::fault);
+}
+
 // One wrong reading is not where the arm is to be driven.
 TEST(Slave, AWrongReadingDoesNotSayWhereTheRobotIsFound) {
   const auto at = [](Rig& rig, const Vec6& q) -> const SlaveTick& {
