@@ -52,9 +52,10 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
 // then the robot is held where they find it.
 bool Slave::continues(const RobotReading& robot) noexcept {
   const bool leapt = read_ && leaps(*read_, robot.q);
-  if (!leapt && believed_ && leaps(*believed_, robot.q)) blind_ = true;
+  if (leapt && !doubted_) believed_ = *read_;
+  if (doubted_ && !leapt && leaps(believed_, robot.q)) blind_ = true;
+  doubted_ = leapt;
   read_ = {robot.q, tick_.now};
-  if (!leapt) believed_ = read_;
   return !leapt;
 }
 

@@ -81,7 +81,7 @@ class Slave {
  private:
   static constexpr std::uint32_t kNoPressIsNew = UINT32_MAX;
   struct Place {
-    Vec6 q;
+    Vec6 q = Vec6::Zero();
     TimePoint at{};
   };
 
@@ -113,7 +113,9 @@ class Slave {
   bool stop_ = false;
   // Of the last message seen. Those of a master not heard yet were meant for no fault of ours.
   std::uint32_t clutch_presses_ = kNoPressIsNew;
-  std::optional<Place> read_, believed_;  // the last readings
+  std::optional<Place> read_;  // the last reading
+  bool doubted_ = false;       // it leapt
+  Place believed_;             // if so, the last that did not
   bool started_ = false;
   bool found_ = false;            // in the last tick, by one reading alone
   bool blind_ = false;            // through a fault

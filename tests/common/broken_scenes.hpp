@@ -339,10 +339,6 @@ inline std::vector<BrokenScene> broken_scenes() {
            "force_sensing {} }\n@compensation {}",
        "compensation", "names no method"},
       {"master { " + hand +
-           "force_feedback {} }\nslave { sim_arm {} workspace {} joint_pid {} }\n@compensation { "
-           "auto {} }",
-       "compensation", "which nothing senses"},
-      {"master { " + hand +
            "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {} "
            "force_sensing {} boundary {} }\n@compensation { mmt {} }",
        "compensation", "use damped {}"},

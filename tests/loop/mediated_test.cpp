@@ -83,8 +83,8 @@ TEST(AutoLoop, ChoosesByDelayAndByWhatIsKnown) {
   for (const double rtt : {1., 100., 400.}) {
     Scene scene = chosen_over(rtt, 1000);
     proto::Motion& m = *hand(scene).mutable_motion();
-    reach(m, kPress + 3, 1, Vec3(0.04, 0, 0));
-    reach(m, kPress + 6, 1.5, Vec3(-0.04, 0, 0));
+    reach(m, kMoved + 3.5, 1, Vec3(0.04, 0, 0));
+    reach(m, kMoved + 6.5, 1.5, Vec3(-0.04, 0, 0));
     const Pressing h = pressed(scene, 12);
     print(rtt, 1000, h);
     EXPECT_EQ(h.violations, 0u);

@@ -13,7 +13,7 @@
 
 namespace farhand {
 
-inline constexpr double kPress = 6;  // [s] after free motion along the wall
+inline constexpr double kMoved = 5.5;  // [s] free motion along the wall is over
 
 // wall [N/m]; into it the hand wants to go by 30 mm. Before, it moves along it, or waits.
 inline Scene pressing_over(double rtt_ms, double wall, bool moves_before = true) {
@@ -32,10 +32,11 @@ inline Scene pressing_over(double rtt_ms, double wall, bool moves_before = true)
   o.mutable_motion()->Clear();
   if (moves_before) {
     proto::Sine& s = *o.mutable_motion()->add_sine();
-    s.set_from_s(1.5), s.set_until_s(kPress - 0.5), s.set_frequency_hz(0.5);
+    s.set_from_s(1.5), s.set_until_s(kMoved), s.set_frequency_hz(0.5);
     for (const double a : {0., 0.025, 0.}) s.add_amplitude_m(a);
   }
-  reach(*o.mutable_motion(), kPress, 1.5, Vec3(-0.06, 0, 0));  // pressed and held
+  reach(*o.mutable_motion(), moves_before ? kMoved + 0.5 : 2, 1.5,
+        Vec3(-0.06, 0, 0));  // pressed and held
   return scene;
 }
 
@@ -63,7 +64,8 @@ struct Pressing {
 };
 
 inline Pressing pressed(const Scene& scene, double seconds_held) {
-  Loopback loop(scene, {.duration_s = kPress + 2 + seconds_held});
+  const double begin = scene.proto.master().sim_hand().operator_().motion().reach(0).at_s();
+  Loopback loop(scene, {.duration_s = begin + 2 + seconds_held});
   Checkers checkers(loop);
   Pressing out;
   double speed2 = 0, force = 0, depth = 0, drag = 0, energy = 0, contact = 0, contacts = 0;
@@ -80,12 +82,12 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
     checkers.check(t);
     const double at = seconds(t.now - loop.start());
     const Vec3& p = t.handle.X_MH.p;
-    if (!free && at > kPress - 0.1) free = p.x();
+    if (!free && at > begin - 0.1) free = p.x();
     if (last) energy -= F_last.dot(p - *last);
     last = p, F_last = t.handle.R_MG * t.F_G.force;
     out.operator_energy = std::min(out.operator_energy, energy);
-    if (at > 2.5 && at < kPress - 1) drag += t.F_G.force.norm(), ++moving;  // before the wall
-    if (at < kPress + 1 + seconds_held) return;
+    if (at > 2.5 && at < begin - 1) drag += t.F_G.force.norm(), ++moving;  // before the wall
+    if (at < begin + 1 + seconds_held) return;
     speed2 += t.out.V_MH.linear.squaredNorm();
     force += t.F_G.force.norm(), contacts += contact;
     depth += *free - 0.03 - p.x();
@@ -96,7 +98,7 @@ inline Pressing pressed(const Scene& scene, double seconds_held) {
   out.stiffness = force / depth;
   out.force = force / static_cast<double>(n), out.contact = contacts / static_cast<double>(n);
   out.chatter = std::sqrt(speed2 / static_cast<double>(n));
-  out.drag = drag / static_cast<double>(moving);
+  if (moving > 0) out.drag = drag / static_cast<double>(moving);
   out.violations = checkers.count();
   return out;
 }

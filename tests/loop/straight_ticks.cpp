@@ -101,6 +101,12 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   if (master.age > stale) limits |= kLimitStale;
 
   if (!plausible(robot)) return record;
+  const double since =
+      seconds(std::clamp(now - read_at, Duration::zero(), Duration(std::chrono::milliseconds(50))));
+  const Vec6 way = 2 * since * joints.speed + Vec6::Constant(0.05);
+  const bool leapt = was_read && ((robot.q - q_read).cwiseAbs() - way).maxCoeff() > 0;
+  q_read = robot.q, read_at = now, was_read = true;
+  if (leapt) return record;
   const ArmKinematics at = kinematics(arm, robot.q);
   out.V_SE = tool_twist(at.J, robot.dq);
   if (!started) {

@@ -43,7 +43,9 @@ struct StraightSlave {
   ModeState mode_state;
   std::uint32_t clutch_presses = 0;
   WorkspaceState target;
-  bool started = false;
+  bool started = false, was_read = false;
+  Vec6 q_read = Vec6::Zero();
+  TimePoint read_at{};
   Vec6 q_target = Vec6::Zero();
   SlaveTick record;
 };

@@ -33,9 +33,16 @@ double most_lag(const std::string& scene) {
   return 0.85e-3 * kRoom;
 }
 
+// Over the slow network each has its turn.
+void choose_method(proto::Compensation& c, std::uint64_t seed) {
+  if (seed % 3 == 1) c.mutable_mmt();
+  if (seed % 3 == 2) c.mutable_auto_();
+}
+
 // Moving all the time: a sine, and where there is something to touch now and then forwards.
 Scene moving(const Plan& plan) {
   Scene scene = shipped(plan.scene);
+  if (plan.scene == "twin_delta_far") choose_method(*scene.proto.mutable_compensation(), plan.seed);
   proto::Operator& o = hand(scene);
   o.clear_press();
   proto::Motion& m = *o.mutable_motion();

@@ -1,10 +1,12 @@
 // Time of the calling thread's own making: while it is on, the C library's clocks, sleeps and waits
 // for sockets answer from it, and other threads notice nothing. Include it in one source file of a
-// test program: it defines clock_gettime, clock_nanosleep and ppoll.
+// test program: it defines clock_gettime, clock_nanosleep, ppoll, poll
+// and timerfd_settime, of which the thread has one timer.
 #pragma once
 
 #include <poll.h>
 #include <sys/syscall.h>
+#include <sys/timerfd.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -34,6 +36,7 @@ struct VirtualClock {
   int readings = 0;       // since then
   int polls_at_once = 0;  // that would not have waited
   Duration asleep_until{};
+  Duration deadline{};  // of the timer
 
   Duration read() noexcept {
     if (++readings == 2 && last == at) {
@@ -53,6 +56,7 @@ struct VirtualClock {
     if (timeout == Duration::zero()) ++polls_at_once;
     wait(Wait::socket, now + timeout);
   }
+  void poll_timer() noexcept { wait(Wait::socket, deadline); }
 
  private:
   void wait(Wait way, Duration until) noexcept {
@@ -101,6 +105,24 @@ int ppoll(pollfd* fds, nfds_t count, const timespec* timeout, const sigset_t* ma
   timespec copy = timeout != nullptr ? *timeout : timespec{};
   return static_cast<int>(
       syscall(SYS_ppoll, fds, count, timeout != nullptr ? &copy : nullptr, mask, _NSIG / 8));
+}
+
+int timerfd_settime(int timer, int flags, const itimerspec* to, itimerspec* from) noexcept {
+  if (farhand::virtual_clock.on && (flags & TFD_TIMER_ABSTIME) != 0) {
+    farhand::virtual_clock.deadline = farhand::to_duration(to->it_value);
+    return 0;
+  }
+  return static_cast<int>(syscall(SYS_timerfd_settime, timer, flags, to, from));
+}
+
+// A socket and the timer.
+int poll(pollfd* fds, nfds_t count, int timeout_ms) {
+  if (farhand::virtual_clock.on && timeout_ms < 0) {
+    farhand::virtual_clock.poll_timer();
+    for (nfds_t i = 0; i < count; ++i) fds[i].revents = i == 0 ? short{0} : POLLIN;
+    return 1;
+  }
+  return static_cast<int>(syscall(SYS_poll, fds, count, timeout_ms));
 }
 }
 // NOLINTEND(readability-identifier-naming)
