@@ -32,13 +32,16 @@ struct Ends {
   SlaveToMaster back;
 };
 
-// Whatever came, what the link holds is valid, its counters add up, and it goes on talking.
+// Whatever came, what the link holds is valid, its counters add up, and it goes on talking to who
+// is there.
 template <typename L, typename Message>
 void hear(L& link, std::span<const std::byte> datagram, const Message& answer, TimePoint now) {
   link.receive(datagram, now);
   if (link.newest() != nullptr) require(valid(link.newest()->message));
   require(link.counters().received == link.counters().accepted() + link.counters().dropped());
-  require(link.peer().has_value() && !link.encode(answer, now).empty());
+  require(link.peer().has_value());
+  const bool said = !link.encode(answer, now).empty();
+  require(said || !link.fresh(now, LinkConfig{}.silence));
 }
 
 // One datagram of the conversation, as a piece of an input.
