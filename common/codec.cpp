@@ -284,10 +284,6 @@ Verdict decode_with(PayloadType type, std::span<const std::byte> payload, Proto&
   return valid(header) && valid(message) ? Verdict::accepted : Verdict::malformed;
 }
 
-}  // namespace
-
-namespace {
-
 bool valid(const LocalWall& w) noexcept {
   const bool real = w.x_w.allFinite() && w.n.allFinite() && std::isfinite(w.net) &&
                     std::isfinite(w.k) && std::isfinite(w.b) && w.k >= 0 && w.b >= 0;
