@@ -19,11 +19,11 @@ Wrench ChosenCoupling::step(const CouplingInputs& in) noexcept {
   choose(in);
   const LocalWall& wall = in.robot.wall;
   const double allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
+  const double share = fade_in_.step(in.share, Ts_);
   CouplingInputs blended = in;
-  blended.share *= blend_.step(Ts_);
+  blended.share = share * blend_.step(Ts_);
   F_M_ = in.handle.R_MG * force(blended, allowed).force + blend_.rest(in.V_MH.linear);
   Wrench F_G{.force = in.handle.R_MG.transpose() * F_M_};
-  const double share = fade_in_.step(in.share, Ts_);
   if (rotation_) F_G.torque = rotation_->step(in, share);
   return F_G;
 }

@@ -228,8 +228,8 @@ void Episode::begin(const Fault& f) {
   active_.push_back(&f);
 }
 
-// A master whose place another one took does not get it back by itself: its operator starts it
-// again.
+// A master that was taken over from has ended: its operator starts it again. One that was not gets
+// in by itself.
 void Episode::end(const Fault& f) {
   if (std::erase(active_, &f) == 0) return;
   note("over: " + to_string(f));
@@ -237,7 +237,7 @@ void Episode::end(const Fault& f) {
   loop_.unplug(Side::slave, active(FaultKind::robot_loss) != nullptr);
   if (f.kind != FaultKind::second_master) return;
   second_master_.reset();
-  start_process(Side::master, kTick);
+  if (loop_.master_end().taken_over()) start_process(Side::master, kTick);
 }
 
 EpisodeResult Episode::run() {
