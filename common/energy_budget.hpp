@@ -6,6 +6,11 @@
 //   W = E0 + in of the peer, as received - out of our own + what the guard took away here >= 0
 //
 // on both sides keeps the whole network with both guards from ever giving out more than 2 E0.
+//
+// A pool comes before both sums: what goes in fills it and is told to the peer only where it runs
+// over; what comes out is taken from it first. Without it the to and fro of a hand that holds, and
+// the noise of encoders under force, is told as `in` for the peer to give out, and must come out
+// here at the store's expense: a hand that pressed for some seconds had spent it.
 #pragma once
 
 #include <algorithm>
@@ -21,27 +26,35 @@ class EnergyBudget {
   // Of any message of the peer's session, in any order, any number of times.
   void receive(double peer_in) noexcept { received_ = std::max(received_, peer_in); }
   // Work [J] that went into the network at this port; negative: came out.
-  void charge(double work) noexcept { work > 0 ? in_ += work : out_ -= work; }
+  void charge(double work) noexcept {
+    pool_ += work;
+    const double kept = std::clamp(pool_, 0.0, kPoolShare * store_);
+    in_ += std::max(pool_ - kept, 0.0);
+    out_ += std::max(kept - pool_, 0.0);
+    pool_ = kept;
+  }
   // Work [J] the guard took from the user or the robot by itself.
   void repay(double work) noexcept { credit_ += work; }
 
   // The method changed: of a surplus only E0 is kept.
   void cap() noexcept { credit_ -= std::max(left() - store_, 0.0); }
 
-  double left() const noexcept { return credit_ + received_ - out_; }  // W
-  double in() const noexcept { return in_; }                           // to be sent
+  double left() const noexcept { return credit_ + received_ - out_ + pool_; }  // W, and the pool
+  double in() const noexcept { return in_; }                                   // to be sent
   double out() const noexcept { return out_; }
 
   // The peer counts from 0 again. No more than E0 of what was left is kept.
   void restart() noexcept {
-    credit_ = std::min(left(), store_) + out_;
+    credit_ = std::min(left(), store_) + out_ - pool_;
     received_ = 0;
   }
 
  private:
+  static constexpr double kPoolShare = 0.5;  // of E0, so that the peer can begin on its own E0
+
   double store_;
   double credit_;
-  double received_ = 0, in_ = 0, out_ = 0;
+  double received_ = 0, in_ = 0, out_ = 0, pool_ = 0;
 };
 
 }  // namespace farhand

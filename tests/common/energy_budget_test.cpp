@@ -6,16 +6,44 @@
 #include <limits>
 
 #include "common/echo_delay.hpp"
+#include "common/random.hpp"
 
 namespace farhand {
 namespace {
 
 TEST(EnergyBudget, KeepsInflowAndOutflowApart) {
+  EnergyBudget b(0.02);  // and a pool of half that
+  b.charge(0.51), b.charge(-0.11), b.charge(0.26);
+  EXPECT_NEAR(b.in(), 0.75, 1e-15);
+  EXPECT_NEAR(b.out(), 0.1, 1e-15);
+  EXPECT_NEAR(b.left(), 0.02 - 0.1 + 0.01, 1e-15);  // what was told may not come out here
+}
+
+// A hand that holds, and encoder noise under force.
+TEST(EnergyBudget, ToAndFroCostsNeitherSideAnything) {
   EnergyBudget b(0.02);
-  b.charge(0.5), b.charge(-0.1), b.charge(0.25);
-  EXPECT_EQ(b.in(), 0.75);
-  EXPECT_EQ(b.out(), 0.1);
-  EXPECT_NEAR(b.left(), 0.02 - 0.1, 1e-15);  // what went in here may not come out here
+  b.charge(0.01);
+  for (int i = 0; i < 100000; ++i) b.charge(i % 2 == 0 ? -0.009 : 0.009);
+  EXPECT_EQ(b.in(), 0);
+  EXPECT_EQ(b.out(), 0);
+  EXPECT_NEAR(b.left(), 0.03, 1e-9);
+}
+
+// Whatever is charged, what came out in all is what went in, less what the peer was told and what
+// the pool holds, plus what `out` counts.
+TEST(EnergyBudget, LosesAndMakesNoEnergy) {
+  Random random(1);
+  EnergyBudget b(0.02);
+  double balance = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double work = 0.02 * (2 * random.uniform() - 1);
+    b.charge(work);
+    balance += work;
+    const double pool = b.left() - 0.02 + b.out();
+    ASSERT_GE(pool, -1e-9);
+    ASSERT_LE(pool, 0.01 + 1e-9);
+    ASSERT_NEAR(b.in() - b.out() + pool, balance, 1e-9);
+  }
 }
 
 TEST(EnergyBudget, TakesTheMostItHeardWhateverTheOrder) {

@@ -1,5 +1,7 @@
 // The model-mediated method, and `auto`, in whole loops: the twin delta and the arm, over networks
 // of any delay.
+#include <gtest/gtest.h>
+
 #include "common/energy_budget.hpp"
 #include "tests/loop/pressing.hpp"
 

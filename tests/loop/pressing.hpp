@@ -2,8 +2,6 @@
 // loops: the twin delta and the arm of twin_delta_far.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <optional>
 

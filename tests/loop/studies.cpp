@@ -7,7 +7,7 @@ namespace farhand {
 void Studies::add_to(Arguments& arguments) {
   arguments.option("--experiment", experiment_.name,
                    "an experiment of the publications instead of a scene: f1, f2, h1, h2, h3, "
-                   "pareto, transparency, or all");
+                   "pareto, transparency, delay, or all");
   arguments.option("--page", experiment_.page,
                    "with --experiment: where its pictures go, experiments.html");
   arguments.flag("--stability", stability_.asked,

@@ -23,6 +23,7 @@ constexpr Named kExperiments[] = {
     {"f1", falcon_step},         {"f2", falcon_pushes},    {"h1", free_motion_one_axis},
     {"h1", free_motion_full},    {"h2", contact_one_axis}, {"h2", contact_full},
     {"pareto", pareto_one_axis}, {"pareto", pareto_full},  {"transparency", transparency},
+    {"delay", delay_map},
 };
 
 // H2 and H3 are one run each of the same comparison.
@@ -36,7 +37,7 @@ std::vector<Experiment> run_named(const std::string& name) {
     if (name == "all" || canonical(name) == e.name) out.push_back(e.run());
   if (out.empty())
     throw std::runtime_error("there is no experiment '" + name +
-                             "': give f1, f2, h1, h2, h3, pareto, transparency or all");
+                             "': give f1, f2, h1, h2, h3, pareto, transparency, delay or all");
   return out;
 }
 
@@ -58,6 +59,16 @@ std::string verdict(const Figure& f) {
   return f.good() ? "pass" : "FAIL";
 }
 
+void print(const Table& t) {
+  std::printf("  %s\n  %-40s", t.caption.c_str(), "");
+  for (const std::string& h : t.headings) std::printf(" %14s", h.c_str());
+  for (const TableRow& row : t.rows) {
+    std::printf("\n  %-40s", row.label.c_str());
+    for (const std::string& cell : row.cells) std::printf(" %14s", cell.c_str());
+  }
+  std::printf("\n");
+}
+
 void print(const Experiment& e) {
   std::printf("%s\n  %s\n", e.title.c_str(), e.about.c_str());
   std::printf("  %-58s %-6s %16s %10s %10s %16s\n", "", "", "published", "reference", "ours",
@@ -66,6 +77,7 @@ void print(const Experiment& e) {
     std::printf("  %-58s %-6s %16s %10s %10s %16s  %s\n", f.what.c_str(), f.unit.c_str(),
                 f.published.c_str(), number(f.reference).c_str(), number(f.ours).c_str(),
                 wanted(f).c_str(), verdict(f).c_str());
+  for (const Table& t : e.tables) print(t);
   std::printf("\n");
 }
 
@@ -100,7 +112,8 @@ void write_page(std::vector<Experiment> experiments, const std::string& path) {
                       "with the product's own controllers."}};
   for (Experiment& e : experiments) {
     fit_axes(e.charts);
-    page.rows.push_back({e.title, e.about, e.charts, {table(e)}});
+    e.tables.insert(e.tables.begin(), table(e));
+    page.rows.push_back({e.title, e.about, e.charts, e.tables});
   }
   std::ofstream out(path, std::ios::binary);
   out << html(page) << std::flush;

@@ -6,7 +6,7 @@
 namespace farhand {
 
 struct ExperimentOptions {
-  std::string name;  // f1, f2, h1, h2, h3, transparency or all
+  std::string name;  // f1, f2, h1, h2, h3, pareto, transparency, delay or all
   std::string page = "experiments.html";
   bool json = false;  // the figures as JSON on stdout, no page
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/report/chart.hpp"
+#include "common/report/html_page.hpp"
 
 namespace farhand {
 
@@ -29,6 +30,7 @@ struct Experiment {
   std::string about;  // a sentence: the set-up
   std::vector<Figure> figures;
   std::vector<Chart> charts;
+  std::vector<Table> tables;  // beside that of the figures
 };
 
 // A Falcon drives its grip to a target (F1) and is pushed (F2), on either plant; the full
@@ -47,5 +49,7 @@ Experiment pareto_one_axis();
 Experiment pareto_full();
 // Mass, damping and stiffness that the hand feels by frequency, for every bilateral architecture.
 Experiment transparency();
+// What is felt of a wall by round trip, stiffness and compensation.
+Experiment delay_map();
 
 }  // namespace farhand
