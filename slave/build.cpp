@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include "common/scene_bilateral.hpp"
 #include "common/scene_compensation.hpp"
@@ -73,6 +74,16 @@ Shape shape(const proto::Surface& s) {
   return Plane{.point = vec3(s.plane().point_m()), .normal = vec3(s.plane().normal()).normalized()};
 }
 
+std::vector<SurfaceStep> surface_steps(const proto::SimArm& arm) {
+  std::vector<SurfaceStep> out;
+  for (int i = 0; i < arm.surface_size(); ++i)
+    for (const proto::SurfaceStep& s : arm.surface(i).step())
+      out.push_back({static_cast<std::size_t>(i), from_seconds(s.at_s()), vec3(s.by_m())});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const SurfaceStep& a, const SurfaceStep& b) { return a.at < b.at; });
+  return out;
+}
+
 SimArmConfig sim_arm(const proto::SimArm& arm) {
   SimArmConfig c{.rate_hz = arm.rate_hz(), .friction = arm.friction(), .q = kTeleopHome};
   c.encoder_quantum_rad = arm.encoder_step_rad();
@@ -86,6 +97,7 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
                                             .friction = s.friction_coefficient(),
                                             .tangential_stiffness = s.stiffness_newton_per_m(),
                                             .tangential_damping = s.damping_newton_s_per_m()};
+  c.surface_steps = surface_steps(arm);
   const proto::SimForceSensor& sensor = arm.force_sensor();
   if (arm.has_force_sensor())
     c.sensor = {.force_noise_newton = sensor.force_noise_newton(),

@@ -68,6 +68,12 @@ Vec3 stretch(const ContactState::Anchor& a, const Touch& t, const Tip& tip) {
 
 }  // namespace
 
+void move(Shape& shape, const Vec3& by) noexcept {
+  if (auto* plane = std::get_if<Plane>(&shape)) plane->point += by;
+  if (auto* sphere = std::get_if<Sphere>(&shape)) sphere->centre += by;
+  if (auto* box = std::get_if<Box>(&shape)) box->X_SB.p += by;
+}
+
 Proximity proximity(const Shape& shape, const Vec3& p) noexcept {
   if (const auto* plane = std::get_if<Plane>(&shape)) return to(*plane, p);
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return to(*sphere, p);

@@ -1,4 +1,4 @@
-// The simulated world: fixed surfaces, touched by the tool's tip, a sphere about E (radius 0: a
+// The simulated world: surfaces, touched by the tool's tip, a sphere about E (radius 0: a
 // point).
 //
 // Penalty contact at depth d: normal force max(0, k d + b d'). Coulomb friction with stick: a
@@ -48,6 +48,9 @@ struct Surfaces {
   std::array<Surface, kMaxSurfaces> items{};
   std::size_t count = 0;  // the first `count` items exist
 };
+
+// As if `shape` had been built further on by so much, S axes.
+void move(Shape& shape, const Vec3& by) noexcept;
 
 // Signed distance [m] of p to the shape (negative inside) and the outward unit normal there. At
 // the centre of a sphere the normal is Z.

@@ -49,14 +49,23 @@ void SimArm::write(TimePoint now, const Vec6& tau) noexcept {
 }
 
 void SimArm::advance(TimePoint now) noexcept {
-  if (!started_) last_ = now, started_ = true;
+  if (!started_) first_ = last_ = now, started_ = true;
   if (now <= last_) return;
   const Duration elapsed = now - last_, simulated = std::min(elapsed, kMaxCatchUp);
   last_ = now;
+  move_surfaces();
   status_.skipped += elapsed - simulated;
   const double T = seconds(simulated);
   const int n = std::max(1, static_cast<int>(std::lround(T * config_.rate_hz)));
   for (int i = 0; i < n; ++i) step(T / n);
+}
+
+void SimArm::move_surfaces() noexcept {
+  for (; surfaces_moved_ < config_.surface_steps.size(); ++surfaces_moved_) {
+    const SurfaceStep& s = config_.surface_steps[surfaces_moved_];
+    if (last_ - first_ < s.at) return;
+    move(config_.surfaces.items[s.surface].shape, s.by);
+  }
 }
 
 void SimArm::step(double h) noexcept {

@@ -3,7 +3,9 @@
 // time: its only clock is the `now` it is given.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "common/random.hpp"
 #include "slave/arm_dynamics.hpp"
@@ -28,6 +30,12 @@ enum class VelocitySource : std::uint8_t {
   encoder,  // difference of the encoder's readings, low-passed
 };
 
+struct SurfaceStep {
+  std::size_t surface = 0;
+  Duration at{};  // since the first call
+  Vec3 by = Vec3::Zero();
+};
+
 struct SimArmConfig {
   ArmModel model{};
   double rate_hz = 1000;  // of the integration, 1000 to 10000
@@ -37,6 +45,7 @@ struct SimArmConfig {
   VelocitySource velocity = VelocitySource::exact;
   double velocity_cutoff_hz = 100;  // of the encoder difference; 0: no filter
   Surfaces surfaces{};
+  std::vector<SurfaceStep> surface_steps;  // by time
   double tip_radius_m = 0;
   SensorConfig sensor{};
   std::uint64_t seed = 1;
@@ -79,6 +88,7 @@ class SimArm {
 
  private:
   void advance(TimePoint now) noexcept;
+  void move_surfaces() noexcept;
   void step(double h) noexcept;
   void runge_kutta(double h) noexcept;
   void look_for_contact(double h) noexcept;
@@ -96,9 +106,10 @@ class SimArm {
   Vec6 q_, dq_ = Vec6::Zero(), tau_ = Vec6::Zero();
   Vec6 feet_;  // of the gears' bristles
   ContactState contact_;
-  bool near_ = false;  // a surface is within reach of this step
+  bool near_ = false;               // a surface is within reach of this step
+  std::size_t surfaces_moved_ = 0;  // of the steps
   bool started_ = false;
-  TimePoint last_{};
+  TimePoint first_{}, last_{};
   bool measured_ = false;  // the encoder difference has a past
   TimePoint last_read_{};
   Vec6 q_read_ = Vec6::Zero(), dq_read_ = Vec6::Zero();

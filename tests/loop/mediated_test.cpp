@@ -74,6 +74,50 @@ TEST(MediatedLoop, PressesOnNothingThatTheHandIsNotAllowedToFeel) {
   }
 }
 
+// The wall steps back or forth under the tool: how long until the hand feels the robot's force to
+// within 1 N again, for good.
+double right_after_step(double rtt, double wall, double by) {
+  constexpr double kStep = kMoved + 5, kWatched = 4;
+  Scene scene = mediated_over(rtt, wall);
+  auto& step = *scene.proto.mutable_slave()->mutable_sim_arm()->mutable_surface(0)->add_step();
+  step.set_at_s(kStep);
+  for (const double x : {0., by, 0.}) step.add_by_m(x);
+  Loopback loop(scene, {.duration_s = kStep + kWatched});
+  Checkers checkers(loop);
+  double contact = 0, given = 0, wrong = 0, most = 0, energy = 0, least = 0;
+  std::optional<Vec3> last;
+  Vec3 F_last = Vec3::Zero();
+  loop.on_slave = [&](const SlaveTick& t) {
+    checkers.check(t);
+    contact = t.F_E_S.force.norm();
+    given = std::max(given, t.out.wall.net);
+  };
+  loop.on_master = [&](const MasterTick& t) {
+    checkers.check(t);
+    const Vec3& p = t.handle.X_MH.p;
+    if (last) energy -= F_last.dot(p - *last);
+    last = p, F_last = t.handle.R_MG * t.F_G.force;
+    least = std::min(least, energy);
+    const double after = seconds(t.now - loop.start()) - kStep;
+    if (after < 0) return;
+    most = std::max(most, contact);
+    if (std::abs(F_last.norm() - contact) > 1) wrong = after;
+  };
+  loop.run();
+  std::printf(
+      "%3.0f ms, %4.0f N/m stepped by %+.0f mm: felt to 1 N after %.2f s, robot presses %.1f N at "
+      "most, operator's energy %.4f J of %.4f J that the wall gave\n",
+      rtt, wall, by * 1e3, wrong, most, least, given);
+  EXPECT_EQ(checkers.count(), 0u);
+  EXPECT_GE(least, -kEnergyStore - given);
+  return wrong;
+}
+
+TEST(MediatedLoop, FeelsAWallThatMovesSoonAfter) {
+  for (const double wall : {200., 1000., 5000.})
+    for (const double by : {0.008, -0.008}) EXPECT_LT(right_after_step(100, wall, by), 1.2) << wall;
+}
+
 Scene chosen_over(double rtt_ms, double wall) {
   Scene scene = pressing_over(rtt_ms, wall);
   scene.proto.mutable_compensation()->mutable_auto_();

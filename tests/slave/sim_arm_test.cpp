@@ -117,6 +117,20 @@ TEST(SimArm, PressingOnAPlaneSettlesAtForceOverStiffness) {
   }
 }
 
+TEST(SimArm, ASurfaceStepsWhenItIsTime) {
+  SimArmConfig c = over_a_plane({.stiffness = 1000, .damping = 5}, 0);
+  c.surface_steps = {{0, std::chrono::seconds(1), Vec3(0.3, 0, 0.002)},
+                     {0, std::chrono::seconds(2), Vec3(0, 0, -0.01)}};
+  Bench b(c);
+  const auto push = b.hold(kHome, Vec3(0, 0, -5));
+  for (const double by : {0.002, -0.01}) {
+    b.run(998, push);
+    const double before = b.plant.truth().penetration;
+    b.run(2, push);
+    EXPECT_NEAR(b.plant.truth().penetration - before, by, 1e-4);
+  }
+}
+
 TEST(SimArm, TheToolSticksBelowTheFrictionConeWithoutCreep) {
   Bench b(over_a_plane({.stiffness = 1e4,
                         .damping = 100,
