@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each), 10^4
 # cuts of the link: about an hour on one core. `stress.sh hosts` is the other one: both programs on two hosts through every harm
-# fifty times, some 90 minutes; with a number, as often as that. `stress.sh flood` is a teleoperation flooded by a stranger, 30 s of
+# fifty times, five side by side; with a number, five times as often as that. `stress.sh flood` is a teleoperation flooded by a stranger, 30 s of
 # each kind; with a number, so many seconds, and with a second one so many datagrams a second. `stress.sh fuzz` runs each fuzz
 # target for ten minutes; with a number, so many seconds. What it finds is in build/fuzz.
 # `stress.sh sim` is 2000 seeds of faults under virtual time, 30 s
@@ -24,7 +24,7 @@ fi
 cmake --preset release -DFARHAND_TESTS=ON >/dev/null
 if [[ "${1:-}" == hosts ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-impair
-  exec tests/loop/two_hosts.sh build/release/bin "${2:-50}"
+  exec tests/loop/two_hosts.sh build/release/bin "${2:-10}" 5
 fi
 if [[ "${1:-}" == flood ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-keygen farhand-flood

@@ -2,7 +2,7 @@
 # How near the two programs come to what this machine allows. In turn, over and over: the floor, the programs, the floor again.
 #
 #   round trip   from the handle's sample to its force, both programs over DTLS, less the simulated plants, against
-#                udp_pingpong in block mode; both ends on one core, then on two
+#                udp_pingpong in block mode; both ends on one core, then on two, there also with realtime { spin_us: 200 }
 #   wake-up      lateness of the master's loop against loop_jitter in sleep mode
 #
 # SCHED_FIFO where that is permitted. Prints medians [us] and the median of the ratios pair by pair; asserts nothing.
@@ -17,6 +17,7 @@ ticks=$((1000 * seconds))
 for name in udp_pingpong loop_jitter; do cc -O2 -o "$dir/$name" "$references/$name.c" -lm; done
 "$bin/farhand-keygen" "$dir/link.key" >/dev/null
 sed 's/^link {/link { key_file: "link.key"/' deploy/scenes/twin_delta_contact.textproto >"$dir/scene.textproto"
+sed 's/^\(master\|slave\) {/& realtime { spin_us: 200 }/' "$dir/scene.textproto" >"$dir/spin.textproto"
 
 median() { sort -g | awk '{ v[NR] = $1 } END { print (v[int((NR + 1) / 2)] + v[int(NR / 2) + 1]) / 2 }'; }
 p50() { grep -o 'p50[ =][0-9.]*' | grep -o '[0-9.]*$'; }
@@ -34,10 +35,11 @@ pingpong() {  # FILE CORE CORE
 jitter() {  # FILE CORE
   "$dir/loop_jitter" -m sleep -f 80 -n "$ticks" -c "$2" 2>/dev/null | p50 >>"$1"
 }
-programs() {  # FILE CORE CORE WOKEN_FILE
+programs() {  # FILE CORE CORE WOKEN_FILE [SCENE]
+  local scene="$dir/${5:-scene}.textproto"
   at_master=(taskset -c "$2") at_slave=(taskset -c "$3")
-  start slave "$dir/scene.textproto" --quiet --listen "127.0.0.1:$port"
-  start master "$dir/scene.textproto" --quiet --slave "127.0.0.1:$port" --duration "$seconds"
+  start slave "$scene" --quiet --listen "127.0.0.1:$port"
+  start master "$scene" --quiet --slave "127.0.0.1:$port" --duration "$seconds"
   wait "$master" || fail "the master's exit status was $?"
   end INT slave
   awk -v all="$(row master 'motion to force')" -v read="$(row slave 'read device')" -v write="$(row slave 'write device')" \
@@ -60,6 +62,7 @@ for ((i = 0; i < pairs; ++i)); do
     programs "$dir/ours$other" 0 "$other" "$dir/woken$other"
     pingpong "$dir/again$other" 0 "$other"
   done
+  programs "$dir/spun" 0 1 "$dir/spun_woken" spin
   jitter "$dir/sleep" 0
   jitter "$dir/sleep_again" 0
 done
@@ -67,6 +70,7 @@ done
 printf '%-22s %8s %8s %8s %12s   %s\n' "$pairs pairs, p50 [us]" floor ours ratio 'floor/floor' "the floor's range"
 against 'round trip, one core' "$dir"/{floor0,ours0,again0}
 against 'round trip, two cores' "$dir"/{floor1,ours1,again1}
+against 'the same, spinning' "$dir"/{floor1,spun,again1}
 against 'wake-up, one core' "$dir"/{sleep,woken0,sleep_again}
 against 'wake-up, two cores' "$dir"/{sleep,woken1,sleep_again}
 echo "load at the end: $(cut -d ' ' -f 1-3 /proc/loadavg)"
