@@ -6,7 +6,8 @@
 
 namespace farhand {
 
-void LoopWatch::add(Mode mode, Reason reason, const LoopTiming& timing, const LinkStatus& link) {
+void LoopWatch::add(Mode mode, Reason reason, const Vec3& turn_M, const LoopTiming& timing,
+                    const LinkStatus& link) {
   report_.add(timing, link);
   if (link.refusal.reason != told_) {
     told_ = link.refusal.reason;
@@ -16,9 +17,9 @@ void LoopWatch::add(Mode mode, Reason reason, const LoopTiming& timing, const Li
   if (mode == mode_ && reason == reason_) return;
   line_.end();
   const auto level = mode == Mode::fault ? spdlog::level::err : spdlog::level::info;
-  const char* why = to_string(reason);
+  const std::string why = sentence(reason, turn_M);
   const std::string from = mode == mode_ ? "" : fmt::format("{} -> ", to_string(mode_));
-  spdlog::log(level, "{}{}{}{}", from, to_string(mode), *why != 0 ? ": " : "", why);
+  spdlog::log(level, "{}{}{}{}", from, to_string(mode), why.empty() ? "" : ": ", why);
   mode_ = mode;
   reason_ = reason;
 }

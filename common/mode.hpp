@@ -6,8 +6,8 @@
 //   READY         dead-man released, everything in order
 //   ENGAGED       dead-man held: the robot follows, the hand feels
 //   HOLDING       interrupted while engaged: robot held, force fades, until the dead-man is
-//   released FAULT         device or robot failed for kFaultAfter; latched until it is well and
-//   reset is
+//                 released
+//   FAULT         device or robot failed for kFaultAfter; latched until it is well and reset is
 //                 asked for
 //   STOPPED       told to stop; final
 //
@@ -83,8 +83,8 @@ struct ModeInputs {
   bool fresh = false;                    // its newest message came less than link.stale_ms ago
   Partner partner = Partner::not_ready;  // slave: always able, as it is the master that decides
   bool dead_man = false;                 // slave: the master says pressed and is itself engaged
-  bool aligned = true;                   // the handle may be coupled as it is held
-  bool reset = false;  // the operator has seen the fault: clutch, dead-man released
+  bool aligned = true;  // the handle may be coupled as it is turned, or need not now
+  bool reset = false;   // the operator has seen the fault: clutch, dead-man released
   bool stop = false;
 };
 
@@ -123,6 +123,11 @@ constexpr Reason obstacle(const ModeInputs& in) noexcept {
   return Reason::none;
 }
 
+// A partner that is not ready may wait for just that, so it is told first.
+constexpr bool must_turn(const ModeInputs& in, Reason obstacle) noexcept {
+  return !in.aligned && (obstacle == Reason::none || obstacle == Reason::partner_not_ready);
+}
+
 constexpr void change(ModeState& s, Mode mode, Reason why = Reason::none) noexcept {
   s.mode = mode;
   s.reason = why;
@@ -132,17 +137,21 @@ constexpr void change(ModeState& s, Mode mode, Reason why = Reason::none) noexce
 constexpr void prepare(ModeState& s, const ModeInputs& in) noexcept {
   if (!in.synced) return change(s, Mode::syncing, Reason::no_clock);
   if (!in.fresh) return change(s, Mode::syncing, Reason::link_old);
-  if (const Reason why = obstacle(in); why != Reason::none) return change(s, Mode::aligning, why);
+  const Reason why = obstacle(in);
+  if (must_turn(in, why)) return change(s, Mode::aligning, Reason::turn_handle);
+  if (why != Reason::none) return change(s, Mode::aligning, why);
   const bool was_ready = s.mode == Mode::ready;
   if (in.dead_man && !was_ready) return change(s, Mode::aligning, Reason::dead_man_held);
-  if (!in.aligned) return change(s, Mode::aligning, Reason::turn_handle);
   change(s, in.dead_man ? Mode::engaged : Mode::ready);
 }
 
 // Engaged or holding.
 constexpr void go_on(ModeState& s, const ModeInputs& in) noexcept {
   const Reason why = obstacle(in);
-  if (s.mode == Mode::engaged) {
+  const bool interrupted = s.mode == Mode::holding;
+  if (must_turn(in, why) && !(interrupted && in.dead_man))
+    return change(s, Mode::aligning, Reason::turn_handle);
+  if (!interrupted) {
     if (why != Reason::none) return change(s, Mode::holding, why);
     return change(s, in.dead_man ? Mode::engaged : Mode::ready);
   }
@@ -182,8 +191,8 @@ constexpr bool is_legal(Mode from, Mode to) noexcept {
       // to disconnected, ready, engaged, holding, syncing, aligning, fault, stopped
       {true, true, false, false, true, true, true, true},       // from disconnected
       {true, true, true, false, true, true, false, true},       // from ready
-      {true, true, true, true, false, false, false, true},      // from engaged
-      {true, true, false, true, false, false, true, true},      // from holding
+      {true, true, true, true, false, true, false, true},       // from engaged
+      {true, true, false, true, false, true, true, true},       // from holding
       {true, true, false, false, true, true, true, true},       // from syncing
       {true, true, false, false, true, true, true, true},       // from aligning
       {true, true, false, false, true, true, true, true},       // from fault

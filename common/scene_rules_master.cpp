@@ -100,7 +100,7 @@ void guidance_rules(Rules& r) {
   rule<proto::FixtureAxis>(
       r, "direction", [](const proto::FixtureAxis& a) { return norm(a.direction()) < 1e-6; },
       "has no length", "give the direction of the line, such as [1, 0, 0]");
-  not_on_falcon<proto::Workspace>(r, {"rotation_lock"});
+  not_on_falcon<proto::Workspace>(r, {"rotation_lock", "alignment_deg"});
   using B = proto::Boundary;
   not_on_falcon<B>(r, {"max_torque_newton_meter", "max_torque_rate_newton_meter_per_s"});
 }

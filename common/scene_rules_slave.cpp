@@ -17,6 +17,12 @@ void slave_rules(Rules& r) {
   rule<S>(
       r, "workspace", [](const S& s) { return !s.has_workspace(); },
       "is missing, so no handle pose becomes a tool pose", "add workspace {}");
+  using W = proto::Workspace;
+  rule<W>(
+      r, "alignment_deg", [](const W& w) { return w.has_alignment_deg() && w.rotation_lock(); },
+      "waits for a handle that is turned as the tool is, and rotation_lock lets the tool turn with "
+      "none",
+      "remove one of the two");
   rule<S>(
       r, "joint_pid", [](const S& s) { return !s.has_joint_pid(); },
       "is missing, so nothing drives the joints", "add joint_pid {}");

@@ -8,9 +8,11 @@ namespace farhand {
 
 StatusLine::StatusLine(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) == 1) {}
 
-bool StatusLine::due(TimePoint now) noexcept {
-  if (quiet_ || now < next_) return false;
-  next_ = now + std::chrono::seconds(1);
+bool StatusLine::due(TimePoint now, bool often) noexcept {
+  constexpr Duration kSeldom = std::chrono::seconds(1), kOften = std::chrono::milliseconds(200);
+  const Duration early = often && terminal_ ? kSeldom - kOften : Duration::zero();
+  if (quiet_ || now < next_ - early) return false;
+  next_ = now + kSeldom;
   return true;
 }
 

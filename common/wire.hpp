@@ -110,8 +110,10 @@ struct SlaveToMaster {
   std::uint32_t dead_man_presses_seen = 0;  // counts acted upon: the receipt for the master's edges
   std::uint32_t clutch_presses_seen = 0;
   PortEnergies energies;  // of the slave's port
+  // The robot as a handle: while `coupled`, where the architecture needs it, the pose and velocity
+  // of H that mean where the tool is. Uncoupled, where the scene has alignment_deg and the robot
+  // was coupled before: the orientation that H must be turned to, position and velocity zero.
   bool has_robot = false;
-  // The robot as a handle: the pose and velocity of H that mean where the tool is.
   Vec3 p_MR = Vec3::Zero();
   Quat q_MR = Quat::Identity();  // unit to kQuaternionTolerance
   Twist V_MR;

@@ -210,6 +210,8 @@ MasterConfig master_config(const proto::Scene& scene) {
     c.force_sensing = {.bias = end_forces(m.force_sensing().bias_newton()),
                        .grip_mass = m.force_sensing().grip_mass_kg()};
   if (m.has_force_feedback()) c.force_feedback = force_feedback_config(m, c.Ts);
+  if (scene.slave().workspace().has_alignment_deg())
+    c.alignment = radians(scene.slave().workspace().alignment_deg());
   const Channels ch = channels(scene);
   c.reflects_contact = ch.contact_force && !scene.has_compensation();
   c.sends_user_wrench = ch.user_force;

@@ -13,6 +13,7 @@ Master::Master(const MasterConfig& config)
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
   if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
   if (config.compensated) compensated_.emplace(*config.compensated);
+  if (config.alignment) alignment_.emplace(*config.alignment);
   if (config.position_control) position_.emplace(*config.position_control, config.Ts);
   maps_forces_ = force_sensing_ || force_ || position_;
   tick_.out.force_wanted = wants_force(config);
@@ -73,11 +74,22 @@ void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
                       .fresh = slave.age <= config_.stale,
                       .partner = partner(other),
                       .dead_man = reading.dead_man,
+                      .aligned = !alignment_ || slave.newest == nullptr || aligned(*slave.newest),
                       .reset = reading.clutch && !tick_.out.clutch && !reading.dead_man,
                       .stop = stop_},
                      tick_.now);
   tick_.mode = state_.mode;
   tick_.reason = state_.reason;
+}
+
+// Once engaged it is judged when the clutch is let go; else the slave, which knows what is coupled
+// by now, has the word.
+bool Master::aligned(const SlaveToMaster& in) noexcept {
+  const bool slave_agrees = in.reason != Reason::turn_handle;
+  tick_.aligned = alignment_->step(in, to_quat(tick_.handle.X_MH.R)) && slave_agrees;
+  tick_.turn_M = alignment_->turn();
+  const bool unclutched = tick_.out.clutch && !tick_.reading.clutch;
+  return tick_.mode == Mode::engaged && !unclutched ? slave_agrees : tick_.aligned;
 }
 
 // The handle is known, and forces may be made on it.

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "common/alignment.hpp"
 #include "common/limits.hpp"
 #include "common/mode.hpp"
 #include "common/peer.hpp"
@@ -32,6 +33,7 @@ struct MasterConfig {
   double Ts = 0.001;                               // period of the tick [s]
   Duration stale = std::chrono::milliseconds(20);  // no answer for so long ends the engagement
   Handle handle;
+  std::optional<double> alignment;  // [rad] of the handle, within which it may be coupled again
   double velocity_cutoff_hz = 60;
   double max_motor_torque = 3;  // [N m]
   double torque_rise_time_s =
@@ -56,6 +58,8 @@ struct MasterTick {
   Wrench F_user_G;              // user on handle in handle axes, bias and the grip's weight removed
   Mode mode = Mode::disconnected;
   Reason reason = Reason::no_partner;
+  bool aligned = true;         // as Alignment says, and the slave's; without it always
+  Vec3 turn_M = Vec3::Zero();  // as Alignment says
   MasterToSlave out;
   Duration age = Duration::max();        // of the slave's message acted upon; max before the first
   Mode slave_mode = Mode::disconnected;  // as that message says, and
@@ -98,6 +102,7 @@ class Master {
 
  private:
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
+  bool aligned(const SlaveToMaster& in) noexcept;
   bool usable() const noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
@@ -113,6 +118,7 @@ class Master {
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;
   std::optional<CompensatedForce> compensated_;
+  std::optional<Alignment> alignment_;
   bool maps_forces_ = false;  // some stage needs the map between wrenches and motors
   Status forces_ = Status::not_finite;
   Wrench F_given_G_;  // of the motors' torques written last

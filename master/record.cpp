@@ -31,6 +31,7 @@ void fill_reading(record::MasterRecord& to, const HandleReading& from, int motor
 void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedMaster& master) {
   to.set_mode(static_cast<record::Mode>(from.mode));
   to.set_reason(static_cast<record::Reason>(from.reason));
+  if (master.aligns) append(to.mutable_handle_turn_m_rad(), from.turn_M);
   append(to.mutable_handle_position_m_m(), from.handle.X_MH.p);
   append(to.mutable_handle_quaternion_m(), from.out.q_MH);
   append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
@@ -96,7 +97,8 @@ std::vector<HandleReading> read_readings(McapReader& reader) {
 MasterRecording::MasterRecording(RecordingFile& file, const proto::Scene& scene)
     : file_(file),
       master_{.motors = scene.master().has_falcon() ? 3 : 6,
-              .coupled = scene.master().has_force_feedback() && channels(scene).robot_position},
+              .coupled = scene.master().has_force_feedback() && channels(scene).robot_position,
+              .aligns = scene.slave().workspace().has_alignment_deg()},
       ticks_(file.channel(kMasterTopic, *record::MasterRecord::descriptor())),
       pose_(file.channel("/handle/pose", *foxglove::PoseInFrame::descriptor())),
       transforms_(file.channel("/tf", *foxglove::FrameTransform::descriptor())) {}

@@ -18,6 +18,7 @@ inline constexpr const char* kMasterTopic = "/master";
 struct RecordedMaster {
   int motors = 6;        // angles of the handle
   bool coupled = false;  // to the robot's pose, by the bilateral architecture
+  bool aligns = false;   // the handle to the robot's orientation
 };
 
 // Fills an empty message.

@@ -3,6 +3,8 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <numbers>
+
 #include "common/summary_rows.hpp"
 
 namespace farhand {
@@ -22,7 +24,11 @@ std::string live_line(const MasterRecord& r, std::uint64_t overruns) {
 }  // namespace
 
 std::string summary_rows(const MasterSummary& s) {
+  constexpr double kDegree = 180 / std::numbers::pi;
   std::string out = mode_row(s.ticks, s.ticks_in_mode);
+  if (s.turn_ticks > 0)
+    out += fmt::format("  handle to be turned    {} ticks, by at most {:.1f} deg\n", s.turn_ticks,
+                       s.largest_turn * kDegree);
   if (s.force_free.count > 0)
     out += fmt::format("  F_u - F_e free         {:8.3f} N rms   {:8.3f} N peak\n",
                        s.force_free.value(), s.force_free.peak);
@@ -73,8 +79,7 @@ void MasterStatus::add(const MasterRecord& r) {
   watch_silence(r);
   watch_slave(r);
   watch_method(r);
-  watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
-  watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
+  watch_.add(r.tick, r.timing, r.link, [&] { return live_line(r, watch_.report().overruns); });
 }
 
 std::string MasterStatus::final_table(std::uint64_t records_lost) {

@@ -6,6 +6,10 @@ void MasterSummary::add(const MasterTick& t) noexcept {
   if (ticks++ == 0) start_ = t.now;
   ++ticks_in_mode[static_cast<std::size_t>(t.mode)];
   limits.add(t.limits);
+  if (t.reason == Reason::turn_handle) {
+    ++turn_ticks;
+    largest_turn = std::max(largest_turn, t.turn_M.norm());
+  }
   if (t.handle.status == Status::ok && t.position_controlled) add_position_control(t);
   if (t.mode != Mode::engaged) return;
   worst_age = std::max(worst_age, t.age);

@@ -17,10 +17,12 @@ namespace {
 WorkspaceConfig workspace(const proto::Scene& scene) {
   const proto::Workspace& w = scene.slave().workspace();
   const double Ts = 1 / scene.rate_hz();
+  const bool aligns = w.has_alignment_deg();
   return {.R_SM = scene.master().has_falcon() ? falcon_axes() : twin_delta_axes(),
           .scale = w.scale(),
           .force_scale = w.force_scale(),
           .rotation_lock = w.rotation_lock(),
+          .alignment = aligns ? std::optional(radians(w.alignment_deg())) : std::nullopt,
           .position_step = w.max_tool_speed_m_per_s() * Ts,
           .rotation_step = radians(w.max_tool_turn_rate_deg_per_s()) * Ts};
 }
@@ -238,9 +240,11 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
     out.push_back(fmt::format("admittance      the user's force moves {:g} kg, the target",
                               scene.bilateral().force_position().virtual_mass_kg()));
   if (scene.has_compensation()) out.push_back(compensation_stage(scene));
-  out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}",
-                            s.workspace().scale(),
-                            s.workspace().rotation_lock() ? ", orientation kept" : ""));
+  const proto::Workspace& w = s.workspace();
+  out.push_back(fmt::format(
+      "workspace       handle pose to tool target, scale {:g}{}{}", w.scale(),
+      w.rotation_lock() ? ", orientation kept" : "",
+      w.has_alignment_deg() ? fmt::format(", coupled within {:g} deg", w.alignment_deg()) : ""));
   out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, surfaces: {})",
                             s.sim_arm().rate_hz(), s.sim_arm().surface_size()));
   out.push_back("arm             forward and nearest inverse kinematics");

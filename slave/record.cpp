@@ -52,6 +52,7 @@ void fill(record::SlaveRecord& to, const SlaveRecord& from, const SlaveConfig& s
     append(to.mutable_boundary_force_s_n(), F_E_S.force);
     append(to.mutable_boundary_torque_s_nm(), F_E_S.torque);
   }
+  if (slave.workspace.alignment) append(to.mutable_handle_turn_m_rad(), from.tick.turn_M);
   set_timing(to, from.timing);
   set_link(to, from.link);
 }

@@ -19,6 +19,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
   if (config.compensated) compensated_.emplace(*config.compensated);
   if (config.admittance) admittance_.emplace(*config.admittance);
+  if (config.workspace.alignment) alignment_.emplace(*config.workspace.alignment);
   if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
 }
 
@@ -95,6 +96,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
        .fresh = master.age <= config_.stale,
        .partner = in != nullptr && in->mode == Mode::stopped ? Partner::stopped : Partner::able,
        .dead_man = in != nullptr && in->dead_man && in->mode == Mode::engaged,
+       .aligned = !alignment_ || in == nullptr || aligned(*in),
        .reset = clutched && !in->dead_man,
        .stop = stop_},
       tick_.now);
@@ -103,10 +105,19 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
+// By what the master is told, but on our own judgement: with alignment no other handle is coupled.
+// Under the clutch it may be turned away and back.
+bool Slave::aligned(const MasterToSlave& in) noexcept {
+  tick_.aligned = alignment_->step(tick_.out, in.q_MH);
+  tick_.turn_M = alignment_->turn();
+  return tick_.aligned || (in.clutch && tick_.mode == Mode::engaged);
+}
+
 void Slave::move_target(const Peer<MasterToSlave>& master) noexcept {
   if (!started_) {
     started_ = found_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
+    workspace_.R_HE_first.reset();
     uncouple(workspace_, tick_.X_SE);
     tick_.X_SE_target = tick_.X_SE;
   }
@@ -210,7 +221,7 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   out.reason = tick_.reason;
   out.coupled = tick_.coupled;
   out.limits = tick_.limits;
-  if (config_.sends_robot) tell_where();
+  if (config_.sends_robot || alignment_) tell_where();
   if (compensated_) compensated_->tell(out);
   if (boundary_)
     out.F_E_M = reflect(config_.workspace, tick_.F_E_S + boundary_->F_E_S());
@@ -222,10 +233,19 @@ void Slave::answer(const MasterToSlave* in) noexcept {
   }
 }
 
-// Where the robot is, in the handle's terms; they exist only while it follows the handle.
+// Where the robot is, in the handle's terms. While it does not follow the handle these are but an
+// orientation, and that only with alignment.
 void Slave::tell_where() noexcept {
   SlaveToMaster& out = tick_.out;
-  out.has_robot = tick_.coupled;
+  if (!tick_.coupled) {
+    const std::optional<Mat3> R_MR = parallel_handle(config_.workspace, workspace_);
+    out.has_robot = R_MR.has_value();
+    out.p_MR.setZero();
+    out.V_MR = {};
+    if (R_MR) out.q_MR = to_quat(*R_MR);
+    return;
+  }
+  out.has_robot = config_.sends_robot;
   if (!out.has_robot) return;
   const Pose X_MR = as_handle(config_.workspace, workspace_, tick_.X_SE);
   out.p_MR = X_MR.p;

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "common/alignment.hpp"
 #include "common/limits.hpp"
 #include "common/mode.hpp"
 #include "common/peer.hpp"
@@ -47,7 +48,9 @@ struct SlaveTick {
   Mode mode = Mode::disconnected;
   Reason reason = Reason::no_partner;
   bool coupled = false;
-  Pose X_SE;         // of the measured joints
+  bool aligned = true;         // as Alignment says; without it always
+  Vec3 turn_M = Vec3::Zero();  // as Alignment says: while coupled, how far off it was coupled
+  Pose X_SE;                   // of the measured joints
   Pose X_SE_target;  // where the robot is told to go: the handle's wish, or held at the boundary
   Vec6 q_cmd = Vec6::Zero();  // joint command after speed limits
   Vec6 tau = Vec6::Zero();    // written to the robot
@@ -86,6 +89,7 @@ class Slave {
   };
 
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
+  bool aligned(const MasterToSlave& in) noexcept;
   bool continues(const RobotReading& robot) noexcept;
   bool leaps(const Place& from, const Vec6& q) const noexcept;
   void stay_blind() noexcept;
@@ -109,6 +113,7 @@ class Slave {
   std::optional<Boundary> boundary_;
   std::optional<Admittance> admittance_;
   std::optional<CompensatedTarget> compensated_;
+  std::optional<Alignment> alignment_;
   ModeState state_;
   bool stop_ = false;
   // Of the last message seen. Those of a master not heard yet were meant for no fault of ours.

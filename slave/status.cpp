@@ -19,9 +19,10 @@ std::string live_line(const SlaveRecord& r, std::uint64_t overruns) {
       static_cast<double>(r.link.jitter.count()) * 1e-3, r.link.lost, overruns);
 }
 
+constexpr double kDegree = 180 / std::numbers::pi;
+
 std::string tracking_row(const char* where, const Rms& position, const Rms& rotation) {
   if (position.count == 0) return {};
-  constexpr double kDegree = 180 / std::numbers::pi;
   return fmt::format(
       "  tracking {:<13} {:8.3f} mm rms  {:8.3f} mm peak  {:7.3f} deg rms  {:7.3f} deg peak\n",
       where, position.value() * 1e3, position.peak * 1e3, rotation.value() * kDegree,
@@ -34,6 +35,9 @@ std::string summary_rows(const SlaveSummary& s) {
   std::string out = mode_row(s.ticks, s.ticks_in_mode);
   out += tracking_row("free", s.position_free, s.rotation_free);
   out += tracking_row("in contact", s.position_contact, s.rotation_contact);
+  if (s.largest_turn > 0)
+    out += fmt::format("  coupled again          within {:.1f} deg of the handle's orientation\n",
+                       s.largest_turn * kDegree);
   if (s.force.count > 0)
     out += fmt::format("  contact force          {:8.3f} N rms   {:8.3f} N peak\n", s.force.value(),
                        s.force.peak);
@@ -42,8 +46,7 @@ std::string summary_rows(const SlaveSummary& s) {
 
 void SlaveStatus::add(const SlaveRecord& r) {
   summary_.add(r.tick);
-  watch_.add(r.tick.mode, r.tick.reason, r.timing, r.link);
-  watch_.live(r.tick.now, [&] { return live_line(r, watch_.report().overruns); });
+  watch_.add(r.tick, r.timing, r.link, [&] { return live_line(r, watch_.report().overruns); });
 }
 
 std::string SlaveStatus::final_table(std::uint64_t records_lost) {

@@ -11,6 +11,7 @@ void SlaveSummary::add(const SlaveTick& t) noexcept {
   if (touching) force.add(f);
   if (!t.coupled) return;
   ++coupled_ticks;
+  largest_turn = std::max(largest_turn, t.turn_M.norm());
   (touching ? position_contact : position_free).add((t.X_SE_target.p - t.X_SE.p).norm());
   (touching ? rotation_contact : rotation_free)
       .add(rotation_vector(t.X_SE_target.R * t.X_SE.R.transpose()).norm());

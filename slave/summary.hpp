@@ -17,6 +17,7 @@ struct SlaveSummary {
   // Tool target against tool, while coupled.
   Rms position_free, position_contact;  // [m]
   Rms rotation_free, rotation_contact;  // [rad]
+  double largest_turn = 0;              // [rad] by which the handle was off when coupled again
   Rms force;                            // size of the contact force [N] while touching
   LimitCounts limits;
 

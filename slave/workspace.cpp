@@ -12,13 +12,22 @@ Mat3 falcon_axes() noexcept {
 
 void couple(const WorkspaceConfig& c, WorkspaceState& s, const Pose& X_MH,
             const Pose& X_SE) noexcept {
-  s = {.coupled = true, .p_MH0 = X_MH.p, .p_SE0 = X_SE.p, .X_SE_target = X_SE};
+  s.coupled = true;
+  s.p_MH0 = X_MH.p;
+  s.p_SE0 = X_SE.p;
+  s.X_SE_target = X_SE;
   s.R_HE.noalias() = (c.R_SM * X_MH.R).transpose() * X_SE.R;
+  if (c.alignment && !s.R_HE_first) s.R_HE_first = s.R_HE;
 }
 
 void uncouple(WorkspaceState& s, const Pose& X_SE) noexcept {
   s.coupled = false;
   s.X_SE_target = X_SE;
+}
+
+std::optional<Mat3> parallel_handle(const WorkspaceConfig& c, const WorkspaceState& s) noexcept {
+  if (s.coupled || !s.R_HE_first) return {};
+  return c.R_SM.transpose() * s.X_SE_target.R * s.R_HE_first->transpose();
 }
 
 namespace {

@@ -238,6 +238,13 @@ inline std::vector<BrokenScene> broken_scenes() {
       {"master { falcon {} sim_hand {} }\nslave { sim_arm {} joint_pid {}\n workspace { "
        "rotation_lock: @true } }",
        "slave.workspace.rotation_lock", "means nothing on a Falcon"},
+      {"master { falcon {} sim_hand {} }\nslave { sim_arm {} joint_pid {}\n workspace { "
+       "alignment_deg: @10 } }",
+       "slave.workspace.alignment_deg", "means nothing on a Falcon"},
+      {"master { " + hand +
+           "}\nslave { sim_arm {} joint_pid {}\n workspace { rotation_lock: true "
+           "alignment_deg: @10 } }",
+       "slave.workspace.alignment_deg", "remove one of the two"},
       // ---- hand
       {"rate_hz: 2000 " + with_hand("rate_hz: @1500"), "master.sim_hand.rate_hz",
        "less than one step per tick"},

@@ -123,7 +123,7 @@ TEST(Mode, EngagedNeedsTheDeadManAndOnceThereOnlyWhatMotionNeeds) {
     for (const ModeInputs& in : inputs) {
       if (next_mode(s, in, kNow).mode != Mode::engaged) continue;
       ASSERT_TRUE(in.dead_man && in.fresh && in.connected && !in.stop);
-      ASSERT_TRUE(in.equipment == Equipment::ok && in.partner == Partner::able);
+      ASSERT_TRUE(in.equipment == Equipment::ok && in.partner == Partner::able && in.aligned);
       ASSERT_TRUE(s.mode == Mode::engaged || (s.mode == Mode::ready && everything_good(in)));
     }
 }
@@ -173,6 +173,50 @@ TEST(Mode, AFaultIsLeftOnlyByResetWithTheEquipmentWell) {
                                            in.equipment == Equipment::outside)));
     }
   }
+}
+
+TEST(Mode, AHandleToBeTurnedIsToldBeforeWhatWaitsForIt) {
+  ModeInputs in{.equipment = Equipment::ok,
+                .connected = true,
+                .synced = true,
+                .fresh = true,
+                .partner = Partner::able,
+                .dead_man = true};
+  ModeState s{Mode::engaged, Reason::none, true};
+  const auto expect = [&](Mode mode, Reason reason) {
+    s = next_mode(s, in, kNow);
+    EXPECT_EQ(s.mode, mode);
+    EXPECT_EQ(s.reason, reason);
+  };
+  in.aligned = false;  // the clutch was let go
+  expect(Mode::aligning, Reason::turn_handle);
+  in.partner = Partner::not_ready;  // for the same reason
+  expect(Mode::aligning, Reason::turn_handle);
+  in.partner = Partner::fault;
+  expect(Mode::aligning, Reason::partner_fault);
+  in.partner = Partner::able, in.aligned = true;
+  expect(Mode::aligning, Reason::dead_man_held);
+  in.dead_man = false;
+  expect(Mode::ready, Reason::none);
+  in.aligned = false;
+  expect(Mode::aligning, Reason::turn_handle);
+}
+
+TEST(Mode, WhatWasInterruptedWaitsForTheDeadManAndThenForTheHandle) {
+  ModeState s{Mode::engaged, Reason::none, true};
+  ModeInputs in{.equipment = Equipment::ok,
+                .connected = true,
+                .synced = true,
+                .partner = Partner::able,
+                .dead_man = true,
+                .aligned = false};
+  EXPECT_EQ((s = next_mode(s, in, kNow)).mode, Mode::holding);
+  in.fresh = true;
+  EXPECT_EQ((s = next_mode(s, in, kNow)).reason, Reason::link_old);
+  EXPECT_EQ(s.mode, Mode::holding);
+  in.dead_man = false;
+  EXPECT_EQ((s = next_mode(s, in, kNow)).mode, Mode::aligning);
+  EXPECT_EQ(s.reason, Reason::turn_handle);
 }
 
 TEST(Mode, StartingUpIsNoFault) {

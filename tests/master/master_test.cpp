@@ -133,6 +133,79 @@ TEST(Master, ASlaveThatStopsEndsTheEngagementUntilANewPress) {
   EXPECT_EQ(rig.tick().mode, Mode::engaged);
 }
 
+MasterConfig aligning() {
+  MasterConfig config = Rig::default_config();
+  config.alignment = 0.1;
+  return config;
+}
+
+// The slave tells that the robot stands as the handle would if it were turned by this.
+void robot_turned(Rig& rig, double x) {
+  rig.answer.has_robot = true;
+  rig.answer.q_MR = to_quat(rotation(Vec3(x, 0, 0)));
+}
+
+TEST(Master, EngagesOnlyAHandleThatIsTurnedAsTheRobot) {
+  Rig rig(aligning());
+  rig.answer.mode = Mode::ready;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);  // no coupling yet
+  robot_turned(rig, 0.4);
+  const MasterTick& t = rig.tick();
+  EXPECT_EQ(t.mode, Mode::aligning);
+  EXPECT_EQ(rig.sent.reason, Reason::turn_handle);
+  EXPECT_LT((t.turn_M - Vec3(0.4, 0, 0)).norm(), 1e-12);
+  rig.reading.dead_man = true;
+  EXPECT_EQ(rig.tick(20).reason, Reason::turn_handle);
+  robot_turned(rig, 0.09);
+  EXPECT_EQ(rig.tick(20).reason, Reason::dead_man_held);
+  rig.reading.dead_man = false;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+  rig.reading.dead_man = true;
+  EXPECT_EQ(rig.tick().mode, Mode::engaged);
+}
+
+TEST(Master, ASlaveThatWaitsForTheHandleIsBelieved) {
+  Rig rig(aligning());
+  rig.answer.mode = Mode::aligning;
+  rig.answer.reason = Reason::turn_handle;
+  robot_turned(rig, 0.05);
+  EXPECT_EQ(rig.tick().reason, Reason::turn_handle);
+  rig.answer.reason = Reason::silent;
+  EXPECT_EQ(rig.tick().reason, Reason::partner_not_ready);
+}
+
+// On a long way the answers do not know yet that the robot is coupled, or that it is no more.
+TEST(Master, OnceEngagedTheHandleIsJudgedWhenTheClutchIsLetGo) {
+  Rig rig(aligning());
+  rig.engage();
+  const auto uncoupled = [&](double x) -> const MasterTick& {
+    robot_turned(rig, x);
+    rig.answer.coupled = false;
+    return rig.tick();
+  };
+  EXPECT_EQ(uncoupled(0.5).mode, Mode::engaged);
+  rig.reading.clutch = true;
+  EXPECT_EQ(uncoupled(0.5).mode, Mode::engaged);
+  EXPECT_FALSE(uncoupled(0.5).aligned);
+  rig.reading.clutch = false;
+  EXPECT_EQ(uncoupled(0.09).mode, Mode::engaged);
+  rig.reading.clutch = true;
+  EXPECT_EQ(uncoupled(0.5).mode, Mode::engaged);
+  rig.reading.clutch = false;
+  EXPECT_EQ(uncoupled(0.5).mode, Mode::aligning);
+}
+
+TEST(Master, ARobotToldWithoutBeingCoupledIsNotFelt) {
+  MasterConfig config = aligning();
+  config.robot_coupling.emplace();
+  Rig rig(config);
+  rig.engage();
+  robot_turned(rig, 0.05);
+  rig.answer.coupled = false;
+  EXPECT_EQ(rig.tick().F_env_G.torque, Vec3::Zero());
+  EXPECT_GT(rig.tick().F_env_G.torque.norm(), 0.05);  // coupled again
+}
+
 TEST(Master, ADeviceThatDoesNotReadReleasesTheMotors) {
   Rig rig;
   rig.answer.F_E_M.force = Vec3(4, 0, 0);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/support/golden.hpp"
 
 namespace farhand {
@@ -123,6 +125,34 @@ TEST(Workspace, RotationLockKeepsTheToolsOrientation) {
   const Wrench F = reflect(config, {Vec3(1, 2, 3), Vec3(0.1, 0.2, 0.3)});
   EXPECT_EQ(F.force, Vec3(-2, 1, 3));
   EXPECT_EQ(F.torque, Vec3::Zero());
+}
+
+// By the first coupling, over later ones, each of them some degrees off, and until it is forgotten.
+TEST(Workspace, TheHandleParallelToTheToolIsThatOfTheFirstCoupling) {
+  constexpr int kCouplings = 20;
+  // Each multiplies what came before some ten times, rounded.
+  constexpr double kRounding = 10 * kCouplings * std::numeric_limits<double>::epsilon();
+  const WorkspaceConfig config{.R_SM = twin_delta_axes(), .alignment = 0.2};
+  WorkspaceState s;
+  LimitSet set = 0;
+  const Pose X_SE = pose(0, 0.3, 0.4, Vec3(0.4, -0.2, 1.1));
+  uncouple(s, X_SE);
+  EXPECT_FALSE(parallel_handle(config, s));
+  Pose X_MH = pose(0.18, 0, 0, Vec3(0.1, 0.3, -0.2));
+  const Mat3 R_MH0 = X_MH.R;
+  couple(config, s, X_MH, X_SE);
+  for (int k = 1; k <= kCouplings; ++k) {
+    X_MH.R = rotation(Vec3(0.02, 0.03, -0.01)) * X_MH.R;
+    const Pose X = follow(config, s, X_MH, set);
+    EXPECT_FALSE(parallel_handle(config, s));
+    uncouple(s, X);
+    const Mat3 turned = config.R_SM.transpose() * X.R * X_SE.R.transpose() * config.R_SM;
+    const Mat3 back = *parallel_handle(config, s) * (turned * R_MH0).transpose();
+    EXPECT_LT(rotation_vector(back).norm(), kRounding) << k;
+    X_MH.R = rotation(Vec3(0, 0.1, 0)) * *parallel_handle(config, s);
+    couple(config, s, X_MH, X);
+    EXPECT_LT(rotation_vector(follow(config, s, X_MH, set).R * X.R.transpose()).norm(), kRounding);
+  }
 }
 
 TEST(Workspace, PowerAgreesOnBothSidesWhenForceAndMotionScalesAreEqual) {
