@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "common/key_file.hpp"
+#include "common/scene_credentials.hpp"
 
 namespace farhand::doctor {
 namespace {
@@ -53,6 +53,7 @@ Finding scene_file(const std::string& path, std::optional<Scene>& to) {
 
 Findings link(const std::string& side, const ProgramOptions& options, const Scene& scene) {
   const bool is_master = side == "master";
+  const auto role = is_master ? DtlsRole::client : DtlsRole::server;
   try {
     if (!is_master) require_slave(scene);
     if (!scene.proto.has_slave()) {
@@ -64,9 +65,9 @@ Findings link(const std::string& side, const ProgramOptions& options, const Scen
         socket.peer() ? ", the slave's is " + to_string(*socket.peer()) : std::string();
     return {{Level::ok, "address", to_string(socket.local()) + " can be bound" + peer},
             receive_buffer(socket.receive_buffer(), scene.proto),
-            key(scene)};
+            credentials(scene, role)};
   } catch (const std::exception& e) {
-    return {{Level::problem, "address", e.what()}, key(scene)};
+    return {{Level::problem, "address", e.what()}, credentials(scene, role)};
   }
 }
 
@@ -82,17 +83,38 @@ Finding receive_buffer(std::size_t bytes, const proto::Scene& scene) {
                              std::ceil(stale * 1e-3 * scene.rate_hz() * kEach))};
 }
 
-Finding key(const Scene& scene) {
+namespace {
+
+constexpr int kDaysOfWarning = 30;
+
+Finding certificates(const Scene& scene, DtlsRole role) {
+  const CertificateFiles files = certificate_files(scene);
+  const Certificates own = load_certificates(files, role);
+  const std::time_t until = valid_until(own);
+  const std::string text =
+      fmt::format("{} in {}, valid until {}", own.name, files.certificate.string(), date(until));
+  const double days = std::difftime(until, std::time(nullptr)) / (24 * 3600);
+  if (days > kDaysOfWarning) return {Level::ok, "certificate", text};
+  return {Level::warning, "certificate",
+          text + fmt::format(", {:.0f} days from now: make new ones for both sides with "
+                             "farhand-keygen --certificates",
+                             std::floor(days))};
+}
+
+}  // namespace
+
+Finding credentials(const Scene& scene, DtlsRole role) {
   const auto& l = scene.proto.link();
   if (l.insecure())
     return {Level::warning, "key",
             "none, and the link says insecure: whoever reaches its port can move the robot; make "
             "a key with farhand-keygen and say key_file: \"...\" instead"};
-  if (!l.has_key_file()) return {Level::ok, "key", "none: the link does not leave this machine"};
+  if (!has_credentials(l)) return {Level::ok, "key", "none: the link does not leave this machine"};
   try {
+    if (l.has_certificates()) return certificates(scene, role);
     return {Level::ok, "key", load_key(key_path(scene)).name + " in " + key_path(scene).string()};
   } catch (const std::exception& e) {
-    return {Level::problem, "key", e.what()};
+    return {Level::problem, l.has_certificates() ? "certificate" : "key", e.what()};
   }
 }
 

@@ -1,9 +1,10 @@
-// The doctor on the scene, its link's addresses and its key.
+// The doctor on the scene, its link's addresses, and its key or certificates.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 
+#include "common/certificates.hpp"
 #include "common/doctor.hpp"
 #include "common/program.hpp"
 
@@ -19,6 +20,7 @@ Findings link(const std::string& side, const ProgramOptions& options, const Scen
 // `bytes` of a socket's receive buffer hold the messages of the time after which they are stale.
 Finding receive_buffer(std::size_t bytes, const proto::Scene& scene);
 
-Finding key(const Scene& scene);
+// Its key or certificates, as the client (a master) or the server needs them.
+Finding credentials(const Scene& scene, DtlsRole role);
 
 }  // namespace farhand::doctor

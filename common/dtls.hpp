@@ -1,6 +1,8 @@
 // DTLS 1.2 over OpenSSL without a socket and without a clock: datagrams and times in, datagrams
-// out. One cipher, ECDHE-PSK-CHACHA20-POLY1305 over X25519: both sides prove that they have the
-// key, and what was recorded stays secret if the key is lost later.
+// out. Two ciphers that differ in the proof alone: ECDHE-PSK-CHACHA20-POLY1305, where both sides
+// prove that they have the key, and ECDHE-ECDSA-CHACHA20-POLY1305, where each proves that it has
+// the private key to a certificate of the authority (valid now, by the system's clock). Both go
+// over X25519: what was recorded stays secret if a key is lost later.
 //
 // In two parts, because they run in two places: a handshake allocates and computes for about a
 // millisecond, beside the loop; the session it makes seals and opens in the loop.
@@ -14,7 +16,7 @@
 #include <span>
 
 #include "common/channel.hpp"
-#include "common/key_file.hpp"
+#include "common/credentials.hpp"
 #include "common/time.hpp"
 #include "common/udp.hpp"
 
@@ -50,8 +52,6 @@ class DtlsSession {
   std::unique_ptr<DtlsConnection> connection_;
 };
 
-enum class DtlsRole : std::uint8_t { client, server };
-
 struct DtlsConfig {
   // A flight without an answer is sent again after so long; doubled each time, up to the second.
   Duration resend = std::chrono::milliseconds(100);
@@ -63,14 +63,30 @@ struct DtlsConfig {
   Duration limit = std::chrono::seconds(5);
 };
 
+// Why the two sides cannot connect, as far as a handshake shows it.
+enum class Mismatch : std::uint8_t {
+  other_secret,   // another key, or a certificate of another authority
+  other_kind,     // a key on one side, certificates on the other
+  expired,        // a certificate
+  not_yet_valid,  // a certificate; said of us, also one that is damaged
+  wrong_role,     // a certificate that is not for what its owner does with it
+};
+inline constexpr std::size_t kMismatches = 5;
+
 struct DtlsCounters {
-  std::uint64_t begun = 0;      // a server's: after the cookie only
-  std::uint64_t done = 0;       // authenticated
-  std::uint64_t failed = 0;     // ended by a datagram that was not right
-  std::uint64_t expired = 0;    // ended by the limit
-  std::uint64_t other_key = 0;  // the other side has, or says that we have, another key
-  std::uint64_t resent = 0;     // flights sent again
-  std::uint64_t ignored = 0;    // datagrams that belong to no handshake under way
+  std::uint64_t begun = 0;    // a server's: after the cookie only
+  std::uint64_t done = 0;     // authenticated
+  std::uint64_t failed = 0;   // ended by a datagram that was not right
+  std::uint64_t expired = 0;  // ended by the limit
+  std::uint64_t resent = 0;   // flights sent again
+  std::uint64_t ignored = 0;  // datagrams that belong to no handshake under way
+  // Of the other side, as seen here; and of this side, as the other says in an alert, which anyone
+  // may have sent.
+  std::array<std::uint64_t, kMismatches> seen{}, said{};
+
+  std::uint64_t mismatches(Mismatch m) const noexcept {
+    return seen[static_cast<std::size_t>(m)] + said[static_cast<std::size_t>(m)];
+  }
 };
 
 struct DtlsOutgoing {
@@ -89,7 +105,7 @@ struct DtlsOutgoing {
 class DtlsHandshake {
  public:
   // Throws a sentence if OpenSSL is without the cipher.
-  DtlsHandshake(DtlsRole role, const Key& key, const DtlsConfig& config = {});
+  DtlsHandshake(DtlsRole role, const Credentials& credentials, const DtlsConfig& config = {});
   ~DtlsHandshake();
 
   // Client: begins with the server at `to` and goes on, as often as it takes, until a session is

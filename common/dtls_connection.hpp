@@ -6,29 +6,28 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "common/dtls.hpp"
+#include "common/openssl_pointers.hpp"
 
 namespace farhand {
 
-template <auto kFree>
-struct Freed {
-  template <typename T>
-  void operator()(T* t) const noexcept {
-    kFree(t);
-  }
-};
-
 // What all connections of one side share.
 struct DtlsContext {
-  DtlsContext(DtlsRole role, const Key& key);
+  DtlsContext(DtlsRole role, const Credentials& credentials);
 
-  Key key;
+  Credentials credentials;
   std::array<unsigned char, 32> cookie_secret{};
   DtlsCounters counters;
   std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>> ssl;
 };
+
+// After a handshake that failed: what was not right of the other side, if that shows.
+std::optional<Mismatch> seen_mismatch(const SSL* ssl) noexcept;
+// What the other side says in an alert is not right of this one.
+std::optional<Mismatch> said_mismatch(std::byte alert) noexcept;
 
 // One end with the datagrams it reads and writes. OpenSSL keeps its address.
 struct DtlsConnection {
@@ -48,5 +47,7 @@ struct DtlsConnection {
 
   std::unique_ptr<SSL, Freed<SSL_free>> ssl;
 };
+
+DtlsConnection& connection(const SSL* ssl) noexcept;
 
 }  // namespace farhand

@@ -31,14 +31,19 @@ bool alert(std::span<const std::byte> datagram) noexcept {
   return datagram[0] == std::byte{SSL3_RT_ALERT};
 }
 
+void count(std::optional<Mismatch> m, std::array<std::uint64_t, kMismatches>& to) noexcept {
+  if (m) ++to[static_cast<std::size_t>(*m)];
+}
+
 std::uint64_t cookie_window(TimePoint now) noexcept {
   return static_cast<std::uint64_t>(now.time_since_epoch() / kCookieWindow);
 }
 
 }  // namespace
 
-DtlsHandshake::DtlsHandshake(DtlsRole role, const Key& key, const DtlsConfig& config)
-    : config_(config), context_(std::make_unique<DtlsContext>(role, key)) {
+DtlsHandshake::DtlsHandshake(DtlsRole role, const Credentials& credentials,
+                             const DtlsConfig& config)
+    : config_(config), context_(std::make_unique<DtlsContext>(role, credentials)) {
   if (role == DtlsRole::server) listener_ = std::make_unique<DtlsConnection>(*context_);
 }
 
@@ -142,7 +147,7 @@ bool DtlsHandshake::prove(std::span<const std::byte> datagram, const UdpAddress&
 
 // Only a hint for the user: anyone can send one.
 void DtlsHandshake::on_alert(std::span<const std::byte> datagram) noexcept {
-  if (datagram.back() == std::byte{SSL_AD_UNKNOWN_PSK_IDENTITY}) ++context_->counters.other_key;
+  count(said_mismatch(datagram.back()), context_->counters.said);
 }
 
 // Record by record, so that none is left in OpenSSL to disturb the session.
@@ -169,6 +174,7 @@ void DtlsHandshake::advance(std::span<const std::byte> record, TimePoint now) {
     repeats_last_ = listener_ != nullptr;
     client_ = peer_;
   } else if (!waits) {
+    count(seen_mismatch(c.ssl.get()), context_->counters.seen);
     end(context_->counters.failed, now);
   }
 }

@@ -89,7 +89,8 @@ class Teller {
     silent_ = true;
     line_.end();
     spdlog::warn(
-        "no answer from the slave: is it running, with this observer_address and the same key?");
+        "no answer from the slave: is it running, with this observer_address and the same key or "
+        "authority?");
   }
   void tell(const proto::Shown& s, TimePoint now) {
     heard_ = now;
@@ -140,7 +141,7 @@ int observe(const Options& options) {
   const auto secure = make_secure(scene, slave);
   Window window(slave, secure ? &secure->channel() : nullptr);
   Teller teller(scene.shared_hash);
-  spdlog::info("looks at {}{}", to_string(slave), with_key(secure.get()));
+  spdlog::info("looks at {}{}", to_string(slave), with_credentials(secure.get()));
   catch_stop_signals();
   const TimePoint end =
       monotonic_now() + (options.duration_s > 0 ? from_seconds(options.duration_s)

@@ -13,8 +13,9 @@ std::array<std::byte, kQuestionBytes> question() noexcept {
   return out;
 }
 
-Observers::Observers(const std::optional<Key>& key, Send send) : send_(std::move(send)) {
-  if (key) handshake_ = std::make_unique<DtlsHandshake>(DtlsRole::server, *key);
+Observers::Observers(const std::optional<Credentials>& credentials, Send send)
+    : send_(std::move(send)) {
+  if (credentials) handshake_ = std::make_unique<DtlsHandshake>(DtlsRole::server, *credentials);
 }
 
 void Observers::show(std::string_view status) {

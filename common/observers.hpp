@@ -2,9 +2,9 @@
 // therefore sets the pace. Nothing that is asked reaches anything but the answer.
 //
 // A question is padded to kQuestionBytes and no answer is longer: nobody gets more bytes than he
-// sent. With a key both are sealed by DTLS, in connections of their own, and nobody without it is
-// answered; without one nothing is kept of anybody. No socket and no clock. It allocates and takes
-// its time in handshakes, so not for a loop.
+// sent. With credentials both are sealed by DTLS, in connections of their own, and nobody without
+// them is answered; without any nothing is kept of anybody. No socket and no clock. It allocates
+// and takes its time in handshakes, so not for a loop.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ class Observers {
   using Send = std::function<void(std::span<const std::byte>, const UdpAddress&)>;
   static constexpr std::size_t kMost = 8;  // connections; the one silent for longest goes first
 
-  // Without a key: plain datagrams. Throws as DtlsHandshake does.
-  Observers(const std::optional<Key>& key, Send send);
+  // Without credentials: plain datagrams. Throws as DtlsHandshake does.
+  Observers(const std::optional<Credentials>& credentials, Send send);
 
   // What questions are answered with from now on: a serialised Shown. Throws if it is longer than a
   // question.

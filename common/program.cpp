@@ -9,6 +9,7 @@
 #include "common/address.hpp"
 #include "common/arguments.hpp"
 #include "common/doctor.hpp"
+#include "common/scene_credentials.hpp"
 #include "common/scene_realtime.hpp"
 
 namespace farhand {
@@ -95,7 +96,7 @@ UdpAddress link_address(const std::optional<std::string>& flag, const std::strin
   const std::string& text = flag ? *flag : scenes;
   const auto address = parse_address(text);
   const auto& link = scene.proto.link();
-  if (address && !address->loopback && !link.has_key_file() && !link.insecure())
+  if (address && !address->loopback && !has_credentials(link) && !link.insecure())
     throw std::runtime_error(
         text +
         " reaches beyond this machine, and plain datagrams are neither encrypted nor "
@@ -104,19 +105,11 @@ UdpAddress link_address(const std::optional<std::string>& flag, const std::strin
   return parse_udp_address(text);
 }
 
-std::filesystem::path key_path(const Scene& scene) {
-  return std::filesystem::path(scene.path).parent_path() / scene.proto.link().key_file();
-}
-
-std::optional<Key> link_key(const Scene& scene) {
-  if (!scene.proto.link().has_key_file()) return {};
-  return load_key(key_path(scene));
-}
-
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
                                            const std::optional<UdpAddress>& server) {
-  if (const auto key = link_key(scene))
-    return std::make_unique<SecureService>(SecureChannelConfig{.server = server}, *key);
+  const auto role = server ? DtlsRole::client : DtlsRole::server;
+  if (const auto credentials = link_credentials(scene, role))
+    return std::make_unique<SecureService>(SecureChannelConfig{.server = server}, *credentials);
   if (scene.proto.link().insecure())
     spdlog::warn(
         "the link is insecure: whoever reaches its port can move the robot; make a key with "
@@ -124,8 +117,8 @@ std::unique_ptr<SecureService> make_secure(const Scene& scene,
   return nullptr;
 }
 
-std::string with_key(const SecureService* secure) {
-  return secure == nullptr ? "" : ", key " + secure->key_name();
+std::string with_credentials(const SecureService* secure) {
+  return secure == nullptr ? "" : ", " + secure->credentials();
 }
 
 void start_realtime(const proto::Realtime& realtime, bool real_device) {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -59,22 +58,17 @@ void require_slave(const Scene& scene);
 void refuse_addresses(const ProgramOptions& options, const Scene& scene);
 
 // The address a flag gave, or else the scene's. Throws with a sentence if it reaches beyond this
-// machine and the scene neither names a key file nor says insecure.
+// machine and the scene neither names a key or certificates nor says insecure.
 UdpAddress link_address(const std::optional<std::string>& flag, const std::string& scenes,
                         const Scene& scene);
 
-// The scene's key file, which it names beside itself.
-std::filesystem::path key_path(const Scene& scene);
-// The key that a scene names, if any. Throws as load_key does.
-std::optional<Key> link_key(const Scene& scene);
-
-// The secure channel of a scene that names a key file, of the client of `server` or of a server;
-// nullptr for any other, with a warning if it says insecure. Throws as load_key does.
+// The secure channel of a scene that names a key or certificates, of the client of `server` or of a
+// server; nullptr for any other, with a warning if it says insecure. Throws as link_credentials.
 std::unique_ptr<SecureService> make_secure(const Scene& scene,
                                            const std::optional<UdpAddress>& server = {});
 
-// ", key 01234567", or nothing.
-std::string with_key(const SecureService* secure);
+// ", key 01234567" or as to_string(Credentials) says, or nothing.
+std::string with_credentials(const SecureService* secure);
 
 // The calling thread becomes the loop's, as the scene's words about this side's machine say. What
 // was refused is warned of; for a real device it throws a sentence unless the scene allows it.

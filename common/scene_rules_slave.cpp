@@ -1,6 +1,7 @@
 #include <numbers>
 
 #include "common/address.hpp"
+#include "common/scene_credentials.hpp"
 #include "common/scene_rules.hpp"
 
 namespace farhand {
@@ -136,7 +137,7 @@ void address_rules(Rules& r) {
         r, name,
         parsed(text,
                [](const Link& l, const Address& a) {
-                 return !a.loopback && !l.has_key_file() && !l.insecure();
+                 return !a.loopback && !has_credentials(l) && !l.insecure();
                }),
         "is beyond this machine, and plain datagrams are unauthenticated and unencrypted: whoever "
         "reaches the port can move the robot",
@@ -144,12 +145,33 @@ void address_rules(Rules& r) {
         "or "
         "add insecure: true on a network you trust");
   }
+}
+
+void credential_rules(Rules& r) {
   rule<Link>(
       r, "key_file", [](const Link& l) { return l.has_key_file() && l.key_file().empty(); },
       "names no file", "name one made by farhand-keygen, or leave it out");
   rule<Link>(
       r, "insecure", [](const Link& l) { return l.has_key_file() && l.insecure(); },
       "contradicts key_file", "leave out one of the two");
+  rule<Link>(
+      r, "certificates",
+      [](const Link& l) { return l.has_certificates() && (l.has_key_file() || l.insecure()); },
+      "contradicts key_file or insecure", "leave in one of them");
+  using C = proto::Certificates;
+  for (const char* name : {"authority_file", "certificate_file", "private_key_file"}) {
+    const auto* field = C::descriptor()->FindFieldByName(name);
+    rule<C>(
+        r, name,
+        [field](const C& c) {
+          const auto& reflection = *c.GetReflection();
+          return reflection.HasField(c, field) && reflection.GetString(c, field).empty();
+        },
+        "names no file", "name one made by farhand-keygen --certificates");
+  }
+}
+
+void endpoint_rules(Rules& r) {
   rule<Link>(
       r, "slave_address",
       parsed(&Link::slave_address, [](const Link&, const Address& a) { return a.port == 0; }),
@@ -217,6 +239,8 @@ void add_slave_rules(SceneRules& rules) {
   slave_rules(rules);
   arm_rules(rules);
   address_rules(rules);
+  credential_rules(rules);
+  endpoint_rules(rules);
   link_rules(rules);
 }
 

@@ -4,9 +4,9 @@
 
 namespace farhand {
 
-SecureChannel::SecureChannel(const SecureChannelConfig& config, const Key& key)
+SecureChannel::SecureChannel(const SecureChannelConfig& config, const Credentials& credentials)
     : config_(config),
-      handshake_(config.server ? DtlsRole::client : DtlsRole::server, key, config.dtls) {}
+      handshake_(config.server ? DtlsRole::client : DtlsRole::server, credentials, config.dtls) {}
 
 SecureChannel::~SecureChannel() {
   delete made_.load();

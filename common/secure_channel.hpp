@@ -6,8 +6,8 @@
 // A client's connection stays in use until a new one is authenticated, then ends for good. A
 // server's also stays when another client, or the same anew, has connected: that connection stands
 // beside it, is heard and answered, and takes its place only when the link accepts what comes
-// through it. So either side may restart, nobody without the key can end a connection, and of those
-// with the key only the one that the link lets lead. The newest beside is the only one.
+// through it. So either side may restart, nobody without credentials can end a connection, and of
+// those with them only the one that the link lets lead. The newest beside is the only one.
 #pragma once
 
 #include <atomic>
@@ -30,7 +30,7 @@ struct SecureChannelConfig {
 class SecureChannel {
  public:
   // Throws as DtlsHandshake does.
-  SecureChannel(const SecureChannelConfig& config, const Key& key);
+  SecureChannel(const SecureChannelConfig& config, const Credentials& credentials);
   ~SecureChannel();
   SecureChannel(const SecureChannel&) = delete;
   SecureChannel& operator=(const SecureChannel&) = delete;

@@ -1,5 +1,5 @@
 // The secure channel of a program: its half beside the loop on a thread of its own, which also
-// tells the user when the keys differ.
+// tells the user why the two sides cannot connect.
 #pragma once
 
 #include <string>
@@ -9,19 +9,26 @@
 
 namespace farhand {
 
+// Of the other side, if `seen` here, or of this one, as the other side says. `own` as to_string
+// writes it.
+std::string sentence(Mismatch mismatch, bool seen, DtlsRole role, const std::string& own);
+
 class SecureService {
  public:
-  SecureService(const SecureChannelConfig& config, const Key& key);
+  SecureService(const SecureChannelConfig& config, const Credentials& credentials);
 
   SecureChannel& channel() noexcept { return channel_; }
-  const std::string& key_name() const noexcept { return key_name_; }
+  // As to_string(Credentials).
+  const std::string& credentials() const noexcept { return credentials_; }
 
  private:
   void run(const std::stop_token& stop);
+  void tell();
 
   SecureChannel channel_;
-  bool is_client_;
-  std::string key_name_;
+  DtlsRole role_;
+  std::string credentials_;
+  DtlsCounters told_;
   std::jthread thread_;
 };
 

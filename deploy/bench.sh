@@ -23,7 +23,7 @@ mkdir -p "$out"
 rm -rf "$out"/*.json "$out/scenes"
 
 files=()
-for subject in kinematics handles dynamics pid wire tick; do
+for subject in kinematics handles dynamics pid wire link tick; do
   echo "$subject" >&2
   taskset -c "$core" "$bin/bench-$subject" "$@" --out "$out/$subject.json"
   files+=("$out/$subject.json")

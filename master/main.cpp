@@ -51,8 +51,9 @@ int main(int argc, char** argv) {
           if (recording) recording->add(r);
         });
 
-        announce(scene, socket ? "slave at " + to_string(*socket->peer()) + with_key(secure.get())
-                               : "no slave in this scene");
+        announce(scene,
+                 socket ? "slave at " + to_string(*socket->peer()) + with_credentials(secure.get())
+                        : "no slave in this scene");
         start_realtime(realtime, is_real(device));
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
                    recorder)

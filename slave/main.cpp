@@ -5,6 +5,7 @@
 #include "common/build_info.hpp"
 #include "common/processors.hpp"
 #include "common/program.hpp"
+#include "common/scene_credentials.hpp"
 #include "common/scene_network.hpp"
 #include "slave/build.hpp"
 #include "slave/observed.hpp"
@@ -36,8 +37,8 @@ int main(int argc, char** argv) {
         }
         std::optional<ObservedSlave> observed;
         if (const auto& at = scene.proto.link(); at.has_observer_address())
-          observed.emplace(link_address({}, at.observer_address(), scene), link_key(scene),
-                           scene.shared_hash);
+          observed.emplace(link_address({}, at.observer_address(), scene),
+                           link_credentials(scene, DtlsRole::server), scene.shared_hash);
         SlaveStatus status(scene.shared_hash, options.quiet);
         Recorder<SlaveRecord> recorder([&](const SlaveRecord& r) {
           status.add(r);
@@ -45,7 +46,8 @@ int main(int argc, char** argv) {
           if (observed) observed->add(r);
         });
 
-        announce(scene, "listening on " + to_string(socket.local()) + with_key(secure.get()));
+        announce(scene,
+                 "listening on " + to_string(socket.local()) + with_credentials(secure.get()));
         start_realtime(realtime, is_real(robot));
         SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();

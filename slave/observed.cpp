@@ -29,11 +29,11 @@ std::string shown(const SlaveRecord& r, std::uint64_t scene_hash) {
 
 }  // namespace
 
-ObservedSlave::ObservedSlave(const UdpAddress& local, const std::optional<Key>& key,
+ObservedSlave::ObservedSlave(const UdpAddress& local, const std::optional<Credentials>& credentials,
                              std::uint64_t scene_hash)
     : socket_(local),
-      observers_(key, [this](std::span<const std::byte> d,
-                             const UdpAddress& to) { socket_.send_to(d, to); }),
+      observers_(credentials, [this](std::span<const std::byte> d,
+                                     const UdpAddress& to) { socket_.send_to(d, to); }),
       scene_hash_(scene_hash) {}
 
 // No more than a burst at a time: a flood of questions must not hold up the records.

@@ -10,7 +10,8 @@ namespace farhand {
 class ObservedSlave {
  public:
   // Throws as UdpSocket does.
-  ObservedSlave(const UdpAddress& local, const std::optional<Key>& key, std::uint64_t scene_hash);
+  ObservedSlave(const UdpAddress& local, const std::optional<Credentials>& credentials,
+                std::uint64_t scene_hash);
 
   // Now and then answers who asked meanwhile, with this record.
   void add(const SlaveRecord& record);

@@ -54,6 +54,8 @@ inline std::vector<BrokenScene> broken_scenes() {
   const auto with_link = [&](const std::string& inside) {
     return scene + "link {\n " + inside + " }";
   };
+  const std::string three_files =
+      "authority_file: \"a\" certificate_file: \"b\" private_key_file: \"c\" ";
   const std::string plane = "plane { point_m: [0, 1, 0] normal: [0, -1, 0] } ";
 
   return {
@@ -322,6 +324,19 @@ inline std::vector<BrokenScene> broken_scenes() {
       {with_link("slave_address: @\"10.0.0.2:47810\""), "link.slave_address", "farhand-keygen"},
       {with_link("key_file: @\"\""), "link.key_file", "names no file"},
       {with_link("key_file: \"a.key\" insecure: @true"), "link.insecure", "contradicts key_file"},
+      {with_link("key_file: \"a.key\" @certificates { " + three_files + "}"), "link.certificates",
+       "leave in one of them"},
+      {with_link("insecure: true @certificates { " + three_files + "}"), "link.certificates",
+       "contradicts"},
+      {with_link("certificates { authority_file: @\"\" certificate_file: \"b\" "
+                 "private_key_file: \"c\" }"),
+       "link.certificates.authority_file", "names no file"},
+      {with_link("certificates { authority_file: \"a\" certificate_file: @\"\" "
+                 "private_key_file: \"c\" }"),
+       "link.certificates.certificate_file", "names no file"},
+      {with_link("certificates { authority_file: \"a\" certificate_file: \"b\" "
+                 "private_key_file: @\"\" }"),
+       "link.certificates.private_key_file", "names no file"},
       {with_link(
            "insecure: true slave_address: \"10.0.0.2:47810\"\n master_address: @\"127.0.0.1:0\""),
        "link.master_address", "0.0.0.0:0"},

@@ -10,6 +10,7 @@
 #include "common/doctor_process.hpp"
 #include "common/key_file.hpp"
 #include "tests/support/temporary_file.hpp"
+#include "tests/support/test_credentials.hpp"
 
 namespace farhand::doctor {
 namespace {
@@ -222,14 +223,33 @@ TEST(DoctorLink, KeyIsThereAndOnlyOurs) {
   const fs::path file =
       fs::temp_directory_path() / ("farhand_" + std::to_string(getpid()) + ".key");
   const Scene scene = parse_scene(kSides + "link { key_file: \"" + file.string() + "\" }", "test");
-  expect(key(scene), Level::problem, "farhand-keygen");
+  expect(credentials(scene, DtlsRole::server), Level::problem, "farhand-keygen");
   const std::string name = write_new_key(file).name;
-  expect(key(scene), Level::ok, name);
+  expect(credentials(scene, DtlsRole::server), Level::ok, name);
   fs::permissions(file, fs::perms::others_read, fs::perm_options::add);
-  expect(key(scene), Level::problem, "chmod 600");
+  expect(credentials(scene, DtlsRole::server), Level::problem, "chmod 600");
   fs::remove(file);
-  expect(key(parse_scene(kSides, "test")), Level::ok, "does not leave this machine");
-  expect(key(parse_scene(kSides + "link { insecure: true }", "test")), Level::warning, "insecure");
+  expect(credentials(parse_scene(kSides, "test"), DtlsRole::server), Level::ok,
+         "does not leave this machine");
+  expect(credentials(parse_scene(kSides + "link { insecure: true }", "test"), DtlsRole::server),
+         Level::warning, "insecure");
+}
+
+TEST(DoctorLink, CertificatesAreGoodForAWhile) {
+  const auto look_at = [](DtlsRole role, int days) {
+    const auto own = test_certificates(1, {"test side", "serverAuth", {.until = days}});
+    const TemporaryFile a(to_pem(*own.authority)), c(to_pem(*own.own)), k(to_pem(*own.private_key));
+    fs::permissions(k.path(), fs::perms::owner_read);
+    const Scene scene = parse_scene(kSides + "link { certificates { authority_file: \"" + a.path() +
+                                        "\" certificate_file: \"" + c.path() +
+                                        "\" private_key_file: \"" + k.path() + "\" } }",
+                                    "test");
+    return credentials(scene, role);
+  };
+  expect(look_at(DtlsRole::server, 40), Level::ok, "valid until 20");
+  expect(look_at(DtlsRole::server, 20), Level::warning, " days from now: make new ones");
+  expect(look_at(DtlsRole::server, -1), Level::problem, "expired on");
+  expect(look_at(DtlsRole::client, 40), Level::problem, "not for a master");
 }
 
 TEST(DoctorLink, ReceiveBufferHoldsWhatIsNotYetStale) {

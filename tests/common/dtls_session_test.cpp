@@ -8,6 +8,7 @@
 
 #include "common/dtls.hpp"
 #include "tests/support/allocations.hpp"
+#include "tests/support/both_proofs.hpp"
 #include "tests/support/dtls_ends.hpp"
 #include "tests/support/stress.hpp"
 
@@ -30,7 +31,7 @@ std::uint64_t attempts() {
   return stress_ticks(100000);
 }
 
-class DtlsRecord : public testing::Test {
+class DtlsRecord : public testing::TestWithParam<Proof> {
  protected:
   DtlsRecord() { connect(ends); }
 
@@ -45,11 +46,11 @@ class DtlsRecord : public testing::Test {
   }
   void expect_still_works() { EXPECT_EQ(open(record(999)).verdict, Verdict::accepted); }
 
-  DtlsEnds ends{test_key(1), test_key(1)};
+  DtlsEnds ends{test_credentials(GetParam(), 1)};
   std::array<std::byte, kMaxPayloadBytes> opened{};
 };
 
-TEST_F(DtlsRecord, CarriesEverySizeThatAPayloadMayHave) {
+TEST_P(DtlsRecord, CarriesEverySizeThatAPayloadMayHave) {
   for (std::size_t size = 1; size <= kMaxPayloadBytes; ++size) {
     const Bytes payload = some_payload(size, size);
     const Bytes datagram = sealed(*ends.client_session, payload);
@@ -65,7 +66,7 @@ TEST_F(DtlsRecord, CarriesEverySizeThatAPayloadMayHave) {
   EXPECT_EQ(ends.client_session->seal(Bytes(100), small), 0u);
 }
 
-TEST_F(DtlsRecord, NoFlippedBitIsAccepted) {
+TEST_P(DtlsRecord, NoFlippedBitIsAccepted) {
   const Bytes good = record(1);
   for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
     Bytes bad = good;
@@ -75,7 +76,7 @@ TEST_F(DtlsRecord, NoFlippedBitIsAccepted) {
   EXPECT_EQ(open(good).verdict, Verdict::accepted) << "the good one was not used up";
 }
 
-TEST_F(DtlsRecord, NoTwoFlippedBitsAreAccepted) {
+TEST_P(DtlsRecord, NoTwoFlippedBitsAreAccepted) {
   const Bytes good = record(1);
   const std::size_t bits = 8 * good.size();
   const bool all = attempts() > 1000000;  // every pair, else as many at random
@@ -98,7 +99,7 @@ TEST_F(DtlsRecord, NoTwoFlippedBitsAreAccepted) {
   EXPECT_EQ(open(good).verdict, Verdict::accepted);
 }
 
-TEST_F(DtlsRecord, NothingIsOpenedTwice) {
+TEST_P(DtlsRecord, NothingIsOpenedTwice) {
   std::vector<Bytes> sent;
   for (std::uint64_t i = 0; i < 1000; ++i) {
     sent.push_back(record(i));
@@ -110,7 +111,7 @@ TEST_F(DtlsRecord, NothingIsOpenedTwice) {
   expect_still_works();
 }
 
-TEST_F(DtlsRecord, ALateOneIsOpenedOnceIfNotTooLate) {
+TEST_P(DtlsRecord, ALateOneIsOpenedOnceIfNotTooLate) {
   std::vector<Bytes> sent;
   for (std::uint64_t i = 0; i < 65; ++i) sent.push_back(record(i));
   EXPECT_EQ(open(sent[64]).verdict, Verdict::accepted);
@@ -121,8 +122,8 @@ TEST_F(DtlsRecord, ALateOneIsOpenedOnceIfNotTooLate) {
   }
 }
 
-TEST_F(DtlsRecord, NeitherAnOldSessionNorAForeignKeyIsHeard) {
-  DtlsEnds old(test_key(1), test_key(1)), foreign(test_key(2), test_key(2));
+TEST_P(DtlsRecord, NeitherAnOldSessionNorAForeignKeyIsHeard) {
+  DtlsEnds old(test_credentials(GetParam(), 1)), foreign(test_credentials(GetParam(), 2));
   connect(old);
   connect(foreign);
   const Bytes payload = some_payload(4);
@@ -133,13 +134,13 @@ TEST_F(DtlsRecord, NeitherAnOldSessionNorAForeignKeyIsHeard) {
   expect_still_works();
 }
 
-TEST_F(DtlsRecord, OwnRecordsAreNotHeard) {
+TEST_P(DtlsRecord, OwnRecordsAreNotHeard) {
   for (std::uint64_t i = 0; i < 1000; ++i)
     ASSERT_EQ(open(sealed(*ends.server_session, some_payload(i))).verdict, Verdict::not_authentic);
   expect_still_works();
 }
 
-TEST_F(DtlsRecord, NoForgeryIsAccepted) {
+TEST_P(DtlsRecord, NoForgeryIsAccepted) {
   Random random(5);
   for (std::uint64_t i = 0; i < attempts(); ++i) {
     Bytes forged = some_payload(i, 30 + random.bits() % 300);
@@ -156,7 +157,7 @@ TEST_F(DtlsRecord, NoForgeryIsAccepted) {
   expect_still_works();
 }
 
-TEST_F(DtlsRecord, TheHeaderSaysWhy) {
+TEST_P(DtlsRecord, TheHeaderSaysWhy) {
   const Bytes good = record(1);
   const auto with = [&](std::size_t at, int value) {
     Bytes b = good;
@@ -177,9 +178,9 @@ TEST_F(DtlsRecord, TheHeaderSaysWhy) {
   EXPECT_EQ(open(good).verdict, Verdict::accepted);
 }
 
-TEST_F(DtlsRecord, CostsNoAllocationGoodOrBad) {
+TEST_P(DtlsRecord, CostsNoAllocationGoodOrBad) {
   ASSERT_EQ(kOpensslCounts, 1);
-  ASSERT_GT(allocations_in([] { DtlsEnds other(test_key(1), test_key(1)); }), 100u)
+  ASSERT_GT(allocations_in([] { DtlsEnds other(test_credentials(GetParam(), 1)); }), 100u)
       << "OpenSSL's are not counted";
   const Bytes payload = some_payload(1);
   Bytes datagram(kMaxDatagramBytes), forged = record(2);
@@ -199,7 +200,7 @@ TEST_F(DtlsRecord, CostsNoAllocationGoodOrBad) {
 }
 
 // The time is printed, not judged.
-TEST_F(DtlsRecord, SealsAndOpens) {
+TEST_P(DtlsRecord, SealsAndOpens) {
   constexpr int kBatch = 100;
   const Bytes payload = some_payload(1);
   Bytes datagram(kMaxDatagramBytes);
@@ -217,6 +218,8 @@ TEST_F(DtlsRecord, SealsAndOpens) {
   std::printf("%zu bytes sealed and opened: median %.0f ns, least %.0f ns\n", payload.size(),
               ns[ns.size() / 2], ns.front());
 }
+
+INSTANTIATE_TEST_SUITE_P(Link, DtlsRecord, kBothProofs, proof_name);
 
 }  // namespace
 }  // namespace farhand

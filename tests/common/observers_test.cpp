@@ -7,14 +7,13 @@
 
 #include "common/channel.hpp"
 #include "common/secure_channel.hpp"
+#include "tests/support/both_proofs.hpp"
 #include "tests/support/dtls_ends.hpp"
 
 namespace farhand {
 namespace {
 
 using std::chrono::milliseconds;
-
-const Key kKey = test_key(1), kOtherKey = test_key(2);
 
 std::string text(std::span<const std::byte> payload) {
   std::string out;
@@ -24,8 +23,8 @@ std::string text(std::span<const std::byte> payload) {
 
 // Sends at once, to whom it says.
 struct Served {
-  explicit Served(const std::optional<Key>& key)
-      : observers(key, [this](std::span<const std::byte> d, const UdpAddress& to) {
+  explicit Served(const std::optional<Credentials>& credentials)
+      : observers(credentials, [this](std::span<const std::byte> d, const UdpAddress& to) {
           sent.emplace_back(copy(d), to);
         }) {}
 
@@ -83,8 +82,8 @@ TEST(Observers, WhatIsNoQuestionIsNotAnswered) {
 
 // Somebody who looks through DTLS.
 struct Looker {
-  explicit Looker(std::uint8_t last, const Key& key = kKey)
-      : address(test_address(last)), channel({.server = kServerAddress}, key) {}
+  Looker(std::uint8_t last, const Credentials& credentials)
+      : address(test_address(last)), channel({.server = kServerAddress}, credentials) {}
 
   void turn(Served& s, TimePoint now) {
     channel.service(now);
@@ -117,11 +116,18 @@ void run(Served& s, std::vector<std::unique_ptr<Looker>>& lookers, TimePoint& no
   }
 }
 
-TEST(Observers, SeveralWithTheKeyLookAtOnceAndNobodyWithout) {
-  Served s(kKey);
+class SecureObservers : public testing::TestWithParam<Proof> {
+ protected:
+  const SideCredentials ours = test_credentials(GetParam(), 1);
+  const SideCredentials others = test_credentials(GetParam(), 2);
+};
+
+TEST_P(SecureObservers, SeveralWithTheKeyLookAtOnceAndNobodyWithout) {
+  Served s(ours.server);
   s.observers.show("status");
   std::vector<std::unique_ptr<Looker>> lookers;
-  for (std::uint8_t i = 0; i < 3; ++i) lookers.push_back(std::make_unique<Looker>(10 + i));
+  for (std::uint8_t i = 0; i < 3; ++i)
+    lookers.push_back(std::make_unique<Looker>(10 + i, ours.client));
   TimePoint now = kNow;
   run(s, lookers, now, 2000);
   for (const auto& l : lookers) {
@@ -131,19 +137,19 @@ TEST(Observers, SeveralWithTheKeyLookAtOnceAndNobodyWithout) {
   s.observers.receive(plain(question()), test_address(10), now);
   EXPECT_TRUE(s.sent.empty());
   lookers.clear();
-  lookers.push_back(std::make_unique<Looker>(20, kOtherKey));
+  lookers.push_back(std::make_unique<Looker>(20, others.client));
   run(s, lookers, now, 2000);
   EXPECT_TRUE(lookers[0]->seen.empty());
 }
 
-TEST(Observers, TheOneSilentForLongestMakesRoom) {
-  Served s(kKey);
+TEST_P(SecureObservers, TheOneSilentForLongestMakesRoom) {
+  Served s(ours.server);
   s.observers.show("status");
   TimePoint now = kNow;
   std::vector<std::unique_ptr<Looker>> lookers;
   for (std::uint8_t i = 0; i <= Observers::kMost; ++i) {
     std::vector<std::unique_ptr<Looker>> alone;
-    alone.push_back(std::make_unique<Looker>(10 + i));
+    alone.push_back(std::make_unique<Looker>(10 + i, ours.client));
     run(s, alone, now, 300);
     ASSERT_FALSE(alone[0]->seen.empty()) << +i;
     lookers.push_back(std::move(alone[0]));
@@ -158,6 +164,8 @@ TEST(Observers, TheOneSilentForLongestMakesRoom) {
   EXPECT_FALSE(answered(*lookers[0]));
   for (std::size_t i = 1; i < lookers.size(); ++i) EXPECT_TRUE(answered(*lookers[i])) << i;
 }
+
+INSTANTIATE_TEST_SUITE_P(Link, SecureObservers, kBothProofs, proof_name);
 
 }  // namespace
 }  // namespace farhand

@@ -68,16 +68,26 @@ void set(Message& m, const FieldDescriptor& field, double value) {
   for (int i = 0; i < length_of(field); ++i) r.AddDouble(&m, &field, value);
 }
 
+// What the message needs, legal.
+void fill_needed(Message& m) {
+  for (int i = 0; i < m.GetDescriptor()->field_count(); ++i) {
+    const auto& field = *m.GetDescriptor()->field(i);
+    if (!field.options().GetExtension(proto::needed)) continue;
+    if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE)
+      fill_needed(*m.GetReflection()->MutableMessage(&m, &field));
+    else if (field.cpp_type() == FieldDescriptor::CPPTYPE_STRING)
+      m.GetReflection()->SetString(&m, &field, "a");
+    else
+      set(m, field, field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM ? 0 : range_of(field).max);
+  }
+}
+
 // The message that holds the chain's last field, with all messages above it; what each of them
 // needs is there and legal.
 Message& build(proto::Scene& scene, const Chain& chain) {
   Message* m = &scene;
   for (std::size_t level = 0; level < chain.size(); ++level) {
-    for (int i = 0; i < m->GetDescriptor()->field_count(); ++i) {
-      const auto& field = *m->GetDescriptor()->field(i);
-      if (!field.options().GetExtension(proto::needed)) continue;
-      set(*m, field, field.cpp_type() == FieldDescriptor::CPPTYPE_ENUM ? 0 : range_of(field).max);
-    }
+    fill_needed(*m);
     if (level + 1 == chain.size()) break;
     const auto& r = *m->GetReflection();
     m = chain[level]->is_repeated() ? r.AddMessage(m, chain[level])
@@ -322,12 +332,21 @@ TEST(SceneHash, ChangesWithEverySharedFieldAndWithNoLocalOne) {
 }
 
 TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
-  const std::set<std::string> kLocal = {
-      "description",         "seed",           "duration_s",
-      "master.sim_hand",     "slave.sim_arm",  "link.slave_address",
-      "link.master_address", "link.insecure",  "link.key_file",
-      "link.to_slave",       "link.to_master", "link.observer_address",
-      "master.realtime",     "slave.realtime"};
+  const std::set<std::string> kLocal = {"description",
+                                        "seed",
+                                        "duration_s",
+                                        "master.sim_hand",
+                                        "slave.sim_arm",
+                                        "link.slave_address",
+                                        "link.master_address",
+                                        "link.insecure",
+                                        "link.key_file",
+                                        "link.certificates",
+                                        "link.to_slave",
+                                        "link.to_master",
+                                        "link.observer_address",
+                                        "master.realtime",
+                                        "slave.realtime"};
   std::set<std::string> found;
   for (const Chain& chain : all_chains())
     if (marked_local(chain.back()) && std::none_of(chain.begin(), chain.end() - 1, marked_local))

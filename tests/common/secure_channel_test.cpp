@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "tests/support/allocations.hpp"
+#include "tests/support/both_proofs.hpp"
 #include "tests/support/dtls_ends.hpp"
 
 namespace farhand {
@@ -15,12 +16,12 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 const UdpAddress kSecondAddress = test_address(5);
-const Key kKey = test_key(1), kOtherKey = test_key(2);
 
 // One end, as a loop of 1 kHz with a service every 5 ms would drive it; each turn sends a record.
 struct End {
-  End(bool client, const Key& key)
-      : channel({.server = client ? std::optional(kServerAddress) : std::nullopt}, key) {}
+  End(bool client, const SideCredentials& sides)
+      : channel({.server = client ? std::optional(kServerAddress) : std::nullopt},
+                client ? sides.client : sides.server) {}
 
   void receive(std::span<const std::byte> datagram, const UdpAddress& from) {
     if (channel.take(datagram, from)) return;
@@ -37,12 +38,12 @@ struct End {
   std::array<std::uint64_t, kVerdicts> verdicts{};
 };
 
-class SecureChannelTest : public testing::Test {
+class SecureChannelTest : public testing::TestWithParam<Proof> {
  protected:
-  SecureChannelTest() { restart(client, true, kKey), restart(server, false, kKey); }
+  SecureChannelTest() { restart(client, true), restart(server, false); }
 
-  static void restart(std::unique_ptr<End>& end, bool is_client, const Key& key) {
-    end = std::make_unique<End>(is_client, key);
+  void restart(std::unique_ptr<End>& end, bool is_client) {
+    end = std::make_unique<End>(is_client, ours);
   }
   void send(End& from, End& to, const UdpAddress& from_address) {
     if (&from == mute || &to == mute) return;
@@ -72,6 +73,8 @@ class SecureChannelTest : public testing::Test {
     return client->accepted > c && server->accepted > s;
   }
 
+  const SideCredentials ours = test_credentials(GetParam(), 1);
+  const SideCredentials others = test_credentials(GetParam(), 2);
   TimePoint now{seconds(3600)};
   UdpAddress client_address = kClientAddress;
   std::unique_ptr<End> client, server;
@@ -83,7 +86,7 @@ class SecureChannelTest : public testing::Test {
   Bytes last;
 };
 
-TEST_F(SecureChannelTest, ConnectsOnceAndStaysConnected) {
+TEST_P(SecureChannelTest, ConnectsOnceAndStaysConnected) {
   EXPECT_TRUE(both_heard_in(milliseconds(100)));
   run(seconds(20));
   EXPECT_EQ(client->channel.counters().begun, 1u);
@@ -91,37 +94,37 @@ TEST_F(SecureChannelTest, ConnectsOnceAndStaysConnected) {
   EXPECT_GT(server->accepted, 19900u);
 }
 
-TEST_F(SecureChannelTest, EitherSideMayRestartFromAnyAddress) {
+TEST_P(SecureChannelTest, EitherSideMayRestartFromAnyAddress) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   for (std::uint8_t i = 0; i < 5; ++i) {
-    restart(client, true, kKey);
+    restart(client, true);
     client_address = test_address(10 + i);
     EXPECT_TRUE(both_heard_in(milliseconds(100))) << "client " << i;
-    restart(server, false, kKey);
+    restart(server, false);
     EXPECT_TRUE(both_heard_in(milliseconds(800))) << "server " << i;
   }
 }
 
 // 1.9 s for the handshake (Dtls.ConnectsUnderTwentyPercentLossBothWays), 0.5 s of silence before.
-TEST_F(SecureChannelTest, EitherSideMayRestartUnderLoss) {
+TEST_P(SecureChannelTest, EitherSideMayRestartUnderLoss) {
   loss = 0.2;
   EXPECT_TRUE(both_heard_in(seconds(3)));
   for (int i = 0; i < 10; ++i) {
-    restart(client, true, kKey);
+    restart(client, true);
     EXPECT_TRUE(both_heard_in(seconds(3))) << "client " << i;
-    restart(server, false, kKey);
+    restart(server, false);
     EXPECT_TRUE(both_heard_in(seconds(3))) << "server " << i;
   }
 }
 
-TEST_F(SecureChannelTest, AnAddressMayChangeUnderASession) {
+TEST_P(SecureChannelTest, AnAddressMayChangeUnderASession) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   client_address = test_address(77);
   EXPECT_TRUE(both_heard_in(milliseconds(5)));
   EXPECT_EQ(client->channel.counters().begun, 1u);
 }
 
-TEST_F(SecureChannelTest, ComesBackAfterACut) {
+TEST_P(SecureChannelTest, ComesBackAfterACut) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   mute = server.get();
   run(seconds(20));
@@ -130,10 +133,10 @@ TEST_F(SecureChannelTest, ComesBackAfterACut) {
   EXPECT_GE(server->channel.counters().done, 1u);
 }
 
-TEST_F(SecureChannelTest, AnotherKeyIsNeverHeardAndEndsNothing) {
+TEST_P(SecureChannelTest, AnotherKeyIsNeverHeardAndEndsNothing) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   const auto refused = client->refused + server->refused;
-  End stranger(true, kOtherKey);
+  End stranger(true, others);
   for (int i = 0; i < 10000; ++i) {
     run(milliseconds(1));
     if (i % 5 == 0) stranger.channel.service(now);
@@ -146,14 +149,14 @@ TEST_F(SecureChannelTest, AnotherKeyIsNeverHeardAndEndsNothing) {
   EXPECT_EQ(client->refused + server->refused, refused);
 }
 
-TEST_F(SecureChannelTest, TheOldSessionIsOverWhenTheNewOneStands) {
+TEST_P(SecureChannelTest, TheOldSessionIsOverWhenTheNewOneStands) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   mute = client.get();  // the last record is on its way for long
   run(milliseconds(1));
   Bytes late(kMaxDatagramBytes);
   late.resize(client->channel.seal(some_payload(2), late));
   mute = nullptr;
-  restart(client, true, kKey);
+  restart(client, true);
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   for (int i = 0; i < 1000; ++i) {
     const auto before = server->accepted;
@@ -163,10 +166,10 @@ TEST_F(SecureChannelTest, TheOldSessionIsOverWhenTheNewOneStands) {
 }
 
 // The link refuses a second master: it is heard and answered, and the first one does not notice.
-TEST_F(SecureChannelTest, ASecondClientWaitsBesideTheFirstUntilItIsTaken) {
+TEST_P(SecureChannelTest, ASecondClientWaitsBesideTheFirstUntilItIsTaken) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
   server->takes_all = false;
-  restart(second, true, kKey);
+  restart(second, true);
   for (int i = 0; i < 20; ++i) {
     run(milliseconds(5));
     second->channel.service(now);
@@ -196,9 +199,9 @@ TEST_F(SecureChannelTest, ASecondClientWaitsBesideTheFirstUntilItIsTaken) {
   EXPECT_EQ(server->accepted, after);  // the old connection is over
 }
 
-TEST_F(SecureChannelTest, DataBeforeAConnectionIsRefusedByName) {
+TEST_P(SecureChannelTest, DataBeforeAConnectionIsRefusedByName) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
-  End fresh(false, kKey);
+  End fresh(false, ours);
   fresh.receive(last, kClientAddress);
   EXPECT_EQ(fresh.verdicts[static_cast<std::size_t>(Verdict::not_connected)], 1u);
   const std::array<std::byte, 40> plain{std::byte{'F'}, std::byte{'H'}, std::byte{'L'}};
@@ -208,9 +211,9 @@ TEST_F(SecureChannelTest, DataBeforeAConnectionIsRefusedByName) {
   EXPECT_EQ(fresh.channel.seal(some_payload(1), record), 0u);
 }
 
-TEST_F(SecureChannelTest, TheLoopsHalfAllocatesNothingEvenInAFloodOfHandshakes) {
+TEST_P(SecureChannelTest, TheLoopsHalfAllocatesNothingEvenInAFloodOfHandshakes) {
   ASSERT_TRUE(both_heard_in(milliseconds(100)));
-  DtlsHandshake other(DtlsRole::client, kOtherKey);
+  DtlsHandshake other(DtlsRole::client, others.client);
   other.start(kServerAddress, now);
   const Bytes hello = all_outgoing(other).at(0);
   Bytes record(kMaxDatagramBytes);
@@ -226,10 +229,10 @@ TEST_F(SecureChannelTest, TheLoopsHalfAllocatesNothingEvenInAFloodOfHandshakes) 
 }
 
 // The service on a thread of its own, as in the programs.
-TEST_F(SecureChannelTest, TheHalvesMayRunOnTwoThreads) {
+TEST_P(SecureChannelTest, TheHalvesMayRunOnTwoThreads) {
   std::atomic<bool> over = false;
   for (int restarts = 0; restarts < 5; ++restarts) {
-    restart(client, true, kKey);
+    restart(client, true);
     over = false;
     std::jthread service([&] {
       while (!over) {
@@ -248,6 +251,8 @@ TEST_F(SecureChannelTest, TheHalvesMayRunOnTwoThreads) {
   }
   EXPECT_GE(server->channel.counters().done, 5u);
 }
+
+INSTANTIATE_TEST_SUITE_P(Link, SecureChannelTest, kBothProofs, proof_name);
 
 }  // namespace
 }  // namespace farhand

@@ -9,10 +9,15 @@
 namespace farhand {
 namespace {
 
-const Key kKey = test_key(1);
+// By the first byte of an input.
+const SideCredentials& sides(unsigned first) {
+  static const std::array both{test_credentials(Proof::key, 1),
+                               test_credentials(Proof::certificates, 1)};
+  return both[first % both.size()];
+}
 
 struct End {
-  explicit End(DtlsRole role) : handshake(role, kKey) {}
+  End(DtlsRole role, const Credentials& credentials) : handshake(role, credentials) {}
 
   void collect(std::deque<Bytes>& to) {
     for (Bytes& d : all_outgoing(handshake)) to.push_back(std::move(d));
@@ -28,7 +33,8 @@ enum Harm { pass, drop, twice, flip, cut, swap, splice, foreign, wait, kHarms };
 
 class Network {
  public:
-  Network() {
+  explicit Network(const SideCredentials& sides)
+      : client_(DtlsRole::client, sides.client), server_(DtlsRole::server, sides.server) {
     client_.handshake.start(kServerAddress, now_);
     collect();
   }
@@ -96,21 +102,24 @@ class Network {
   }
 
   TimePoint now_{std::chrono::hours(1)};
-  End client_{DtlsRole::client}, server_{DtlsRole::server};
+  End client_, server_;
 };
 
 // Moves of a handshake that nobody disturbs, then a flight said by the fuzzer itself.
 std::string valid_moves(std::uint64_t seed) {
-  static const auto recorded = [] {
-    DtlsEnds ends(kKey, kKey);
+  const auto record = [](unsigned first) {
+    DtlsEnds ends(sides(first));
     ends.run(std::chrono::seconds(1));
     return std::array{ends.client_sent, ends.server_sent};
-  }();
+  };
+  static const std::array recorded{record(0), record(1)};
   Random random(seed);
+  const auto first = static_cast<unsigned>(random.bits() % recorded.size());
   std::string moves(random.bits() % 12, 0);
   for (char& m : moves) m = static_cast<char>(random.bits() % 2);
+  moves.insert(moves.begin(), static_cast<char>(first));
   const bool to_client = random.bits() % 2 == 0;
-  const auto& said = recorded[to_client ? 1 : 0];
+  const auto& said = recorded[first][to_client ? 1 : 0];
   const Bytes& flight = said[random.bits() % said.size()];
   moves += static_cast<char>(2 * foreign + (to_client ? 1 : 0));
   moves += {static_cast<char>(flight.size()), static_cast<char>(flight.size() >> 8)};
@@ -129,8 +138,9 @@ std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::s
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace farhand;
-  Network network;
-  for (Input input(data, size); !input.empty();) network.move(input);
+  Input input(data, size);
+  Network network(sides(input.byte()));
+  while (!input.empty()) network.move(input);
   require(network.connect());
   return 0;
 }

@@ -142,6 +142,60 @@ for side in master slave; do
 done
 pass "with one key: engages, and again after kill -9 of either side"
 
+# certified SIDE DIRECTORY: the scene with that side's certificate of $dir/DIRECTORY.
+certified() {
+  { echo "link { certificates { authority_file: \"$2/authority.pem\" certificate_file: \"$2/$1.pem\" private_key_file: \"$2/$1_key.pem\" } }"
+    cat "$scene"; } >"$dir/$1_$2.textproto"
+  echo "$dir/$1_$2.textproto"
+}
+"$bin/farhand-keygen" --certificates "$dir/ours" >/dev/null
+"$bin/farhand-keygen" --certificates "$dir/theirs" >/dev/null
+"$bin/farhand-keygen" --certificates "$dir/ours" >/dev/null 2>&1 && fail "farhand-keygen overwrote certificates"
+
+start_slave "$(certified slave ours)"
+start_master "$(certified master ours)"
+wait_for slave 'READY -> ENGAGED' 1
+wait_for master 'READY -> ENGAGED' 1
+before="$(count slave 'ENGAGED$')"
+kill_hard master
+start_master "$(certified master ours)"
+wait_for slave 'READY -> ENGAGED' $((before + 1))
+engaged_only_by_a_press
+end INT master slave
+for side in master slave; do
+  grep -q 'certificate [0-9a-f]\{8\} of authority [0-9a-f]\{8\}' "$dir/$side" || fail "the $side did not name its certificate"
+done
+pass "with certificates of one authority: engages, and again after kill -9 of the master"
+
+start_slave "$(certified slave ours)"
+start_master "$(certified master theirs)"
+wait_for master 'the slave has a certificate of another authority' 1
+wait_for slave 'a master that would connect has a certificate of another authority' 1
+wait_for master 'no answer from the slave' 1
+end INT master slave
+stayed_apart || fail "sides with certificates of different authorities left DISCONNECTED"
+start_slave "$(certified slave ours)"
+start_master "$one"
+wait_for master 'the slave proves itself otherwise' 1
+wait_for slave 'a master that would connect proves itself otherwise' 1
+end INT master slave
+stayed_apart || fail "a key connected with a certificate"
+pass "certificates of another authority, or a key on one side: both say so and stay apart"
+
+# Its own certificate in the other's place, as if stolen, and files that do not fit.
+start_master "$(certified slave ours)"
+wait "$master" && fail "a master took a slave's certificate"
+grep -q 'slave.pem is not for a master' "$dir/master" || fail "the master does not say whose certificate it is"
+sed 's/master_key/slave_key/' "$(certified master ours)" >"$dir/unfit.textproto"
+start_master "$dir/unfit.textproto"
+wait "$master" && fail "a private key that does not fit was taken"
+grep -q 'does not fit the certificate' "$dir/master" || fail "the master does not say which does not fit"
+chmod 644 "$dir/theirs/master_key.pem"
+start_master "$(certified master theirs)"
+wait "$master" && fail "a private key that all may read was taken"
+grep -q 'chmod 600' "$dir/master" || fail "the master does not say what to do about the open private key"
+pass "the slave's certificate, a private key that does not fit and one that is open are refused, with the remedy"
+
 # Two masters and one slave, which one of them leads.
 for of in "$scene" "$one"; do
   start_slave "$of"
@@ -189,6 +243,11 @@ for of in "$scene" "$one"; do
   end INT master slave
   pass "two look on ($(basename "$of")): they see the states and the tool, and motion goes on"
 done
+start_slave "$(seen_by "$(certified slave ours)")"
+start observe "$(seen_by "$(certified observer ours)")"
+wait_for observe 'DISCONNECTED' 1
+end INT observe slave
+pass "an observer with a certificate looks on"
 start_slave "$(seen_by "$one")"
 start observe "$(seen_by "$scene")"
 wait_for observe 'no answer from the slave' 1
@@ -249,6 +308,8 @@ end INT slave
 grep -q 'datagrams received 0, dropped 0' "$dir/slave" || fail "the doctor sent the slave something"
 doctor 0 '^ok +address +127.0.0.1:[0-9]+ can be bound$' slave "$one" --listen "127.0.0.1:$port"
 doctor 1 'problem +key .*gone.key.*farhand-keygen' master "$(keyed gone)"
+doctor 0 '^ok +certificate +[0-9a-f]{8} of authority .*valid until' master "$(certified master ours)"
+doctor 1 'problem +certificate .*is not for a slave' slave "$(certified master ours)"
 doctor 1 'problem +scene .*no.textproto:1:1' master no.textproto
 doctor 1 'problem +address .*has no slave' slave deploy/scenes/falcon_f1.textproto
 doctor 2 'scene is required' slave

@@ -9,17 +9,11 @@
 #include "common/dtls.hpp"
 #include "common/impairment.hpp"
 #include "common/random.hpp"
+#include "tests/support/test_credentials.hpp"
 
 namespace farhand {
 
 using Bytes = std::vector<std::byte>;
-
-inline Key test_key(std::uint64_t seed) {
-  Random random(seed);
-  std::array<std::byte, kKeyBytes> secret{};
-  for (std::byte& b : secret) b = static_cast<std::byte>(random.bits());
-  return make_key(secret);
-}
 
 inline UdpAddress test_address(std::uint8_t last) {
   return {.bytes = {10, 0, 0, last}, .port = 4000};
@@ -39,10 +33,10 @@ inline std::vector<Bytes> all_outgoing(DtlsHandshake& of) {
 
 class DtlsEnds {
  public:
-  DtlsEnds(const Key& client_key, const Key& server_key, const ImpairmentConfig& network = {},
-           std::uint64_t seed = 1)
-      : client(DtlsRole::client, client_key),
-        server(DtlsRole::server, server_key),
+  explicit DtlsEnds(const SideCredentials& sides, const ImpairmentConfig& network = {},
+                    std::uint64_t seed = 1)
+      : client(DtlsRole::client, sides.client),
+        server(DtlsRole::server, sides.server),
         to_server_(network, seed, 64),
         to_client_(network, seed + 1000000, 64) {
     client.start(kServerAddress, now);

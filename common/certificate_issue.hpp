@@ -1,0 +1,44 @@
+// Makes authorities and what they sign, as farhand-keygen does.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "common/certificates.hpp"
+
+namespace farhand {
+
+// Days from now.
+struct Lifetime {
+  int from = -1;  // the other side's clock may be late
+  int until = 825;
+};
+
+struct Issued {
+  std::shared_ptr<x509_st> certificate;
+  std::shared_ptr<evp_pkey_st> private_key;
+};
+
+struct Request {
+  std::string name;   // its common name
+  std::string usage;  // extended, as OpenSSL writes them: "clientAuth"; empty: not named
+  Lifetime lifetime;
+};
+
+// Signs itself and may sign others, but not authorities.
+Issued make_authority(const std::string& name, const Lifetime& lifetime = {});
+// A new key and a certificate for it.
+Issued issue(const Issued& by, const Request& request);
+
+const char* usage_of(DtlsRole role) noexcept;
+
+std::string to_pem(x509_st& certificate);
+std::string to_pem(evp_pkey_st& private_key);
+
+// In `directory`, made if it is not there: the authority's, a master's, a slave's and an observer's
+// certificate and private key, NAME.pem and NAME_key.pem; the keys only their owner may read. The
+// authority's fingerprint. Throws a sentence, before it has made any, if one of the files exists.
+std::string write_new_certificates(const std::filesystem::path& directory, int days);
+
+}  // namespace farhand
