@@ -19,6 +19,7 @@ EmulatedProcessor::EmulatedProcessor(const ProcessorConfig& config, Mechanism me
     : config_(config), mechanism_(std::move(mechanism)), random_(seed) {
   power_on();
   if (config.firmware_loaded) load_firmware();
+  if (config.homed) homed_ = kAllHomed;
 }
 
 void EmulatedProcessor::power_on() noexcept {

@@ -27,6 +27,7 @@ struct SerialFaults {
 struct ProcessorConfig {
   std::size_t firmware_bytes = 8492;  // after so many it runs; what they are does not matter
   bool firmware_loaded = false;       // at power-on, as after another program's upload
+  bool homed = false;                 // likewise
   bool zero_before_greeting = false;  // as some hosts see it
   Duration turnaround = std::chrono::microseconds(30);
   AxisWords index{};  // true encoder counts of the indices
