@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build libboost-dev libprotobuf-dev protobuf-compiler libeigen3-dev libspdlog-dev libcli11-dev
-          libzstd-dev zlib1g-dev libssl-dev)
+          libzstd-dev zlib1g-dev libssl-dev libusb-1.0-0-dev)
 if [[ "${1:-}" == --tests || "${1:-}" == --bench ]]; then
   # MuJoCo and KDL serve as independent oracles; MuJoCo's CMake files ask for qhull and OpenGL.
   packages+=(libgtest-dev nlohmann-json3-dev libmujoco-dev libqhull-dev libgl-dev liborocos-kdl-dev valgrind iproute2
