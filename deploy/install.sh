@@ -4,11 +4,11 @@
 set -euo pipefail
 
 packages=(g++ cmake ninja-build libboost-dev libprotobuf-dev protobuf-compiler libeigen3-dev libspdlog-dev libcli11-dev
-          libzstd-dev zlib1g-dev libssl-dev)
+          libzstd-dev zlib1g-dev libssl-dev libusb-1.0-0-dev)
 if [[ "${1:-}" == --tests || "${1:-}" == --bench ]]; then
   # MuJoCo and KDL serve as independent oracles; MuJoCo's CMake files ask for qhull and OpenGL.
   packages+=(libgtest-dev nlohmann-json3-dev libmujoco-dev libqhull-dev libgl-dev liborocos-kdl-dev valgrind iproute2
-             clang clang-format clang-tidy libclang-rt-14-dev llvm-14)
+             libumockdev-dev umockdev pkg-config clang clang-format clang-tidy libclang-rt-14-dev llvm-14)
   # Another reader of recordings, in JavaScript; node from elsewhere will do.
   command -v node >/dev/null && command -v npm >/dev/null || packages+=(nodejs npm)
 fi

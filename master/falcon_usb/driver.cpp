@@ -1,0 +1,249 @@
+#include "master/falcon_usb/driver.hpp"
+
+#include <algorithm>
+
+namespace farhand::falcon_usb {
+namespace {
+
+constexpr int kMostFailedRequests = 3;  // in a row
+constexpr int kLastAnswers = 3;
+
+Trouble trouble_of(Refusal refusal) noexcept {
+  if (refusal == Refusal::permission) return Trouble::permission;
+  return refusal == Refusal::busy ? Trouble::busy : Trouble::cannot_open;
+}
+
+std::uint8_t leds(Phase phase) noexcept {
+  return phase == Phase::armed ? kLedGreen : phase == Phase::homed ? kLedBlue : kLedRed;
+}
+
+}  // namespace
+
+Driver::Driver(const DriverConfig& config) noexcept
+    : config_(config),
+      exchange_(config.exchange),
+      plausibility_(config.plausibility, config.geometry),
+      arming_(config.arming) {}
+
+bool Driver::talking() const noexcept {
+  return phase_ == Phase::homing || phase_ == Phase::homed || phase_ == Phase::armed;
+}
+
+void Driver::enter(Phase phase, TimePoint now) noexcept {
+  phase_ = phase;
+  entered_ = now;
+  if (phase == Phase::armed) return;
+  tau_.setZero();
+  arming_.forget();
+  plausibility_.forget();
+  if (phase != Phase::homed) sample_.reset();
+}
+
+void Driver::fail(Trouble trouble, TimePoint now) noexcept {
+  trouble_ = trouble;
+  enter(Phase::failed, now);
+}
+
+void Driver::start(TimePoint now) noexcept {
+  exchange_.restart();
+  set_up_ = kSetUpPackets;
+  homed_ = 0;
+  enter(Phase::setting_up, now);
+}
+
+void Driver::hear(const Event& event, TimePoint now) noexcept {
+  if (phase_ == Phase::closed && event.kind != EventKind::sent) {
+    busy_ = busy_ && event.kind == EventKind::received;
+    return;
+  }
+  switch (event.kind) {
+    case EventKind::attached:
+      busy_ = uploaded_ = false;
+      failed_requests_ = 0;
+      return start(now);
+    case EventKind::refused:
+      return fail(trouble_of(event.refusal), now);
+    case EventKind::sent:
+      busy_ = false;
+      failed_requests_ = 0;
+      return;
+    case EventKind::failed:
+      busy_ = false;
+      if (++failed_requests_ > kMostFailedRequests) return fail(Trouble::request_failed, now);
+      return start(now);
+    case EventKind::detached:
+      busy_ = false;
+      ++unplugged_;
+      trouble_ = Trouble::unplugged;
+      return enter(Phase::absent, now);
+    case EventKind::received:
+      if (phase_ == Phase::uploading) return upload_.hear(payload(event.packet), now);
+      if (phase_ != Phase::probing && !talking()) return;
+      if (const Sample* sample = exchange_.hear(payload(event.packet), now)) take(*sample, now);
+      return;
+  }
+}
+
+void Driver::take(const Sample& sample, TimePoint now) noexcept {
+  heard_ = now;
+  homed_ = sample.answer.homed;
+  if (closing_ && ++last_answers_ >= kLastAnswers) return enter(Phase::closed, now);
+  if (phase_ == Phase::probing) {
+    trouble_ = Trouble::none;
+    enter(Phase::homing, now);
+  }
+  const bool homed = homed_ == kAllHomed && asked_ >= homing_from_;
+  if (homed && phase_ == Phase::homing) enter(Phase::homed, now);
+  if (!homed && phase_ != Phase::homing) enter(Phase::homing, now);
+  if (homed) judge(sample, now);
+}
+
+void Driver::judge(const Sample& sample, TimePoint now) noexcept {
+  if (plausibility_.accept(sample)) {
+    trouble_ = Trouble::none;
+    sample_ = sample;
+    if (phase_ == Phase::homed && arming_.step(sample.answer.buttons, now))
+      enter(Phase::armed, now);
+    return;
+  }
+  ++implausible_;
+  if (!plausibility_.jumped()) return;
+  trouble_ = Trouble::jumped;
+  homing_from_ = now + config_.unhome_time;
+  enter(Phase::homing, now);
+}
+
+std::optional<Request> Driver::next(TimePoint now) noexcept {
+  if (busy_) return {};
+  const auto request = wish(now);
+  busy_ = request.has_value();
+  return request;
+}
+
+std::optional<Request> Driver::wish(TimePoint now) noexcept {
+  if (closing_ && phase_ != Phase::closed && (!talking() || now >= close_by_))
+    enter(Phase::closed, now);
+  if (phase_ == Phase::setting_up) {
+    if (const auto request = take_first(set_up_)) return request;
+    enter(Phase::probing, now);
+  }
+  if (phase_ == Phase::probing) return probe(now);
+  if (phase_ == Phase::uploading) return upload(now);
+  return talking() ? talk(now) : std::nullopt;
+}
+
+std::optional<Request> Driver::probe(TimePoint now) noexcept {
+  if (now < entered_ + config_.probe_time)
+    return exchange_.free(now) ? std::optional(ask(now)) : std::nullopt;
+  if (uploaded_ || config_.firmware.empty()) {
+    fail(uploaded_ ? Trouble::not_running : Trouble::no_firmware, now);
+    return {};
+  }
+  upload_ = FirmwareUpload(config_.upload, config_.firmware, now);
+  enter(Phase::uploading, now);
+  return upload(now);
+}
+
+std::optional<Request> Driver::upload(TimePoint now) noexcept {
+  const auto request = upload_.next(now);
+  if (upload_.failed()) fail(Trouble::upload_failed, now);
+  if (!upload_.succeeded()) return request;
+  uploaded_ = true;
+  start(now);
+  return take_first(set_up_);
+}
+
+std::optional<Request> Driver::talk(TimePoint now) noexcept {
+  if (now >= heard_ + config_.silent) {
+    trouble_ = Trouble::silent;
+    uploaded_ = false;
+    start(now);
+    return take_first(set_up_);
+  }
+  return now >= ask_at() ? std::optional(ask(now)) : std::nullopt;
+}
+
+TimePoint Driver::ask_at() const noexcept {
+  const TimePoint free = exchange_.free_at();
+  const bool waits = config_.pacing == Pacing::loop && !fresh_;
+  return waits ? std::max(free, asked_ + config_.keep_alive) : free;
+}
+
+Request Driver::ask(TimePoint now) noexcept {
+  Command command{.homing = now >= homing_from_, .leds = closing_ ? std::uint8_t{0} : leds(phase_)};
+  if (phase_ == Phase::armed)
+    command.motors = motor_counts(torque(now), config_.counts_per_newton_meter);
+  exchange_.asked(now);
+  asked_ = now;
+  fresh_ = false;
+  return request_of(encode(command));
+}
+
+Vec3 Driver::torque(TimePoint now) noexcept {
+  const bool lost =
+      now - heard_ >= config_.unanswered || now - written_ >= config_.unwritten || closing_;
+  const double share = std::min(1.0, seconds(now - asked_) / config_.rise_time_s);
+  LimitSet limits = kLimitNone;
+  tau_ = lost ? Vec6(Vec6::Zero())
+              : limit_motor_torques(config_.max_torque, share * config_.max_torque, wanted_, tau_,
+                                    limits);
+  return tau_.head<3>();
+}
+
+TimePoint Driver::due() const noexcept {
+  if (busy_) return TimePoint::max();
+  switch (phase_) {
+    case Phase::setting_up:
+      return TimePoint::min();
+    case Phase::probing:
+      return std::min(exchange_.free_at(), entered_ + config_.probe_time);
+    case Phase::uploading:
+      return upload_.due();
+    case Phase::homing:
+    case Phase::homed:
+    case Phase::armed:
+      return std::min({ask_at(), heard_ + config_.silent, closing_ ? close_by_ : TimePoint::max()});
+    default:
+      return TimePoint::max();
+  }
+}
+
+HandleReading Driver::read(TimePoint now) const noexcept {
+  HandleReading out;
+  if (!sample_ || now - sample_->at + sample_->age > config_.stale) return out;
+  const Answer& answer = sample_->answer;
+  const Eigen::Vector3i counts(answer.encoders[0], answer.encoders[1], answer.encoders[2]);
+  out.ok = true;
+  out.theta.head<3>() = theta1_from_counts(config_.geometry, counts);
+  out.dead_man = (answer.buttons & config_.dead_man) != 0;
+  out.clutch = (answer.buttons & config_.clutch) != 0;
+  return out;
+}
+
+void Driver::write(TimePoint now, const Vec6& tau) noexcept {
+  wanted_ = tau;
+  written_ = now;
+  fresh_ = true;
+}
+
+void Driver::close(TimePoint now) noexcept {
+  if (closing_) return;
+  closing_ = true;
+  close_by_ = now + config_.close_time;
+  last_answers_ = 0;
+}
+
+DriverStatus Driver::status() const noexcept {
+  return {.phase = phase_,
+          .trouble = trouble_,
+          .homed = homed_,
+          .upload_fault = upload_.fault(),
+          .upload_attempt = upload_.attempt(),
+          .upload_progress = upload_.progress(),
+          .exchange = exchange_.counters(),
+          .skipped_bytes = exchange_.skipped_bytes(),
+          .implausible = implausible_,
+          .unplugged = unplugged_};
+}
+
+}  // namespace farhand::falcon_usb

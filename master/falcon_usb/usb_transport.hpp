@@ -1,0 +1,75 @@
+// The transport over libusb: a Falcon found by vendor, product and, if given, serial number, and
+// found again whenever it is plugged in. Asynchronous transfers, with reads always pending.
+//
+// Everything happens on the thread that calls wait(), submit() and next_event(). Only wait() may
+// block or allocate: it also looks for the device, which submit() and next_event() never do. That
+// thread is therefore not the control loop's.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "master/falcon_usb/transport.hpp"
+
+struct libusb_context;
+struct libusb_device;
+struct libusb_device_handle;
+struct libusb_transfer;
+
+namespace farhand::falcon_usb {
+
+class UsbTransport {
+ public:
+  // Any Falcon if no serial number is given. Throws std::runtime_error if there is no USB at all.
+  explicit UsbTransport(std::string serial = {});
+  ~UsbTransport();
+  UsbTransport(const UsbTransport&) = delete;
+  UsbTransport& operator=(const UsbTransport&) = delete;
+
+  // Until something happens or `most` has passed. Without a device looks for one, at most four
+  // times a second.
+  void wait(Duration most, TimePoint now);
+  void submit(const Request& request, TimePoint now) noexcept;
+  const Event* next_event(TimePoint now) noexcept;
+
+  std::uint64_t dropped() const noexcept { return dropped_; }  // packets nobody fetched in time
+
+ private:
+  struct FreeTransfer {
+    void operator()(libusb_transfer* t) const noexcept;
+  };
+  using TransferPtr = std::unique_ptr<libusb_transfer, FreeTransfer>;
+  static constexpr std::size_t kReads = 2, kSetupBytes = 8;
+
+  static void done(libusb_transfer* transfer);
+  static void heard(libusb_transfer* transfer);
+  void look(TimePoint now);
+  bool matches(libusb_device* device) const noexcept;
+  void open(libusb_device* device) noexcept;
+  Refusal claim(libusb_device* device) noexcept;
+  bool start(libusb_transfer* transfer) noexcept;
+  void settle() noexcept;
+  void close() noexcept;
+  void push(const Event& event) noexcept;
+
+  std::string serial_;
+  libusb_context* context_ = nullptr;
+  libusb_device_handle* handle_ = nullptr;
+  TransferPtr request_;
+  std::array<TransferPtr, kReads> reads_;
+  std::array<unsigned char, kSetupBytes + kUsbPacketBytes> request_bytes_{};
+  std::array<std::array<unsigned char, kUsbPacketBytes>, kReads> read_bytes_{};
+  int pending_ = 0;  // transfers
+  bool gone_ = false;
+  TimePoint look_at_ = TimePoint::min();
+  Refusal refused_ = Refusal::none;  // said already
+  std::array<Event, 64> events_{};
+  std::size_t first_ = 0, size_ = 0;
+  Event event_;
+  std::uint64_t dropped_ = 0;
+};
+
+static_assert(Transport<UsbTransport>);
+
+}  // namespace farhand::falcon_usb
