@@ -10,8 +10,8 @@ namespace {
 
 // A longer payload is not worth parsing.
 constexpr std::size_t kLongestMessageBytes =
-    std::max(kMasterToSlaveBytes + kUserWrenchBytes + kFeltBytes,
-             kSlaveToMasterBytes + kRobotBytes + kWallBytes);
+    std::max(kMasterToSlaveBytes + kUserWrenchBytes + kFeltBytes + kWaveBytes,
+             kSlaveToMasterBytes + kRobotBytes + kWallBytes + kWaveBytes + kActedBytes);
 
 using Doubles = google::protobuf::RepeatedField<double>;
 
@@ -106,11 +106,28 @@ void put(const Hello& from, proto::Hello& to) {
   to.set_role(static_cast<proto::Role>(from.role));
   to.set_session(from.session);
   to.set_scene_hash(from.scene_hash);
-  to.set_capabilities(from.capabilities);
   to.set_take_over(from.take_over);
   to.set_peer_session(from.peer_session);
   to.set_lease(static_cast<proto::Lease>(from.lease));
   to.set_leases(from.leases);
+}
+
+void put(const WaveSum& from, proto::Wave* to) {
+  put(from.U, to->mutable_integral());
+  to->set_energy_joule(from.E);
+}
+
+bool get(const proto::Wave& from, WaveSum& to) {
+  to.E = from.energy_joule();
+  return get(from.integral(), to.U);
+}
+
+// The block of a message that has one, else zero.
+template <typename Proto>
+bool get_wave(const Proto& from, bool& has_wave, WaveSum& to) {
+  has_wave = from.has_wave();
+  to = {};
+  return !has_wave || get(from.wave(), to);
 }
 
 void put(const MasterToSlave& from, proto::MasterToSlave& to) {
@@ -131,6 +148,7 @@ void put(const MasterToSlave& from, proto::MasterToSlave& to) {
   put_if(from.has_user_wrench, from.F_user_M.force, to.mutable_user_force_in_master_newton());
   put_if(from.has_user_wrench, from.F_user_M.torque, to.mutable_user_torque_in_master_newton_m());
   put_if(from.has_felt, from.F_felt_M, to.mutable_felt_force_in_master_newton());
+  from.has_wave ? put(from.wave, to.mutable_wave()) : to.clear_wave();
 }
 
 bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
@@ -153,7 +171,8 @@ bool get(const proto::MasterToSlave& from, MasterToSlave& to) {
   to.energies.rotation = from.rotation_energy_joule();
   to.has_user_wrench = from.user_force_in_master_newton_size() > 0;
   to.has_felt = from.felt_force_in_master_newton_size() > 0;
-  return get_if(to.has_felt, from.felt_force_in_master_newton(), to.F_felt_M) &&
+  return get_wave(from, to.has_wave, to.wave) &&
+         get_if(to.has_felt, from.felt_force_in_master_newton(), to.F_felt_M) &&
          get_if(to.has_user_wrench, from.user_force_in_master_newton(), to.F_user_M.force) &&
          get_if(to.has_user_wrench, from.user_torque_in_master_newton_m(), to.F_user_M.torque);
 }
@@ -200,6 +219,8 @@ void put(const SlaveToMaster& from, proto::SlaveToMaster& to) {
          to.mutable_angular_velocity_robot_in_master_rad_per_s());
   put_if(from.has_robot, from.V_MR.linear, to.mutable_velocity_robot_in_master_m_per_s());
   from.has_wall ? put(from.wall, to.mutable_wall()) : to.clear_wall();
+  from.has_wave ? put(from.wave, to.mutable_wave()) : to.clear_wave();
+  from.has_acted ? to.set_acted_ns(from.acted) : to.clear_acted_ns();
 }
 
 bool get_robot(const proto::SlaveToMaster& from, SlaveToMaster& to) {
@@ -234,15 +255,19 @@ bool get(const proto::SlaveToMaster& from, SlaveToMaster& to) {
   to.energies.rotation = from.rotation_energy_joule();
   to.has_wall = from.has_wall();
   if (!to.has_wall) to.wall = {};
-  return get_robot(from, to) && (!to.has_wall || get(from.wall(), to.wall));
+  to.has_acted = from.has_acted_ns();
+  to.acted = from.acted_ns();
+  return get_robot(from, to) && (!to.has_wall || get(from.wall(), to.wall)) &&
+         get_wave(from, to.has_wave, to.wave);
 }
 
 std::size_t size_of(const MasterToSlave& m) noexcept {
   return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) +
-         (m.has_felt ? kFeltBytes : 0);
+         (m.has_felt ? kFeltBytes : 0) + (m.has_wave ? kWaveBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) noexcept {
-  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
+  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0) +
+         (m.has_wave ? kWaveBytes : 0) + (m.has_acted ? kActedBytes : 0);
 }
 
 template <typename Proto>
@@ -290,6 +315,10 @@ bool valid(const LocalWall& w) noexcept {
   return real && (!w.known || std::abs(w.n.norm() - 1) <= kQuaternionTolerance);
 }
 
+bool valid(const WaveSum& s) noexcept {
+  return s.U.allFinite() && std::isfinite(s.E) && s.E >= 0;
+}
+
 }  // namespace
 
 bool valid(const Hello& h) noexcept {
@@ -300,14 +329,15 @@ bool valid(const Hello& h) noexcept {
 bool valid(const MasterToSlave& m) noexcept {
   return m.p_MH.allFinite() && is_rotation(m.q_MH) && finite(m.V_MH) && in_range(m.mode) &&
          in_range(m.reason) && in_range(m.method) && std::isfinite(m.energies.translation) &&
-         std::isfinite(m.energies.rotation) && finite(m.F_user_M) && m.F_felt_M.allFinite();
+         std::isfinite(m.energies.rotation) && finite(m.F_user_M) && m.F_felt_M.allFinite() &&
+         valid(m.wave);
 }
 
 bool valid(const SlaveToMaster& m) noexcept {
   return m.p_SE.allFinite() && is_rotation(m.q_SE) && finite(m.V_SE) && finite(m.F_E_M) &&
          in_range(m.mode) && in_range(m.reason) && std::isfinite(m.energies.translation) &&
          std::isfinite(m.energies.rotation) && m.p_MR.allFinite() && is_rotation(m.q_MR) &&
-         finite(m.V_MR) && (!m.has_wall || valid(m.wall));
+         finite(m.V_MR) && (!m.has_wall || valid(m.wall)) && valid(m.wave) && m.acted <= kMaxStamp;
 }
 
 bool valid(const Header& h) noexcept {
@@ -326,8 +356,8 @@ struct Codec::Messages {
 Codec::Codec() : messages_(std::make_unique<Messages>()) {
   std::array<std::byte, kMaxPayloadBytes> payload{};
   Header header{.session = 1, .sequence = 1};
-  MasterToSlave down{.has_user_wrench = true, .has_felt = true};
-  SlaveToMaster up{.has_robot = true, .has_wall = true};
+  MasterToSlave down{.has_user_wrench = true, .has_felt = true, .has_wave = true};
+  SlaveToMaster up{.has_robot = true, .has_wall = true, .has_wave = true, .has_acted = true};
   decode(std::span(payload).first(encode(header, down, payload)), header, down);
   decode(std::span(payload).first(encode(header, up, payload)), header, up);
 }
@@ -362,7 +392,6 @@ Verdict Codec::decode(std::span<const std::byte> payload, Hello& hello) noexcept
   hello.role = static_cast<Role>(from.role());
   hello.session = from.session();
   hello.scene_hash = from.scene_hash();
-  hello.capabilities = from.capabilities();
   hello.take_over = from.take_over();
   hello.peer_session = from.peer_session();
   hello.lease = static_cast<Lease>(from.lease());

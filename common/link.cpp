@@ -89,7 +89,6 @@ Hello Link<Out, In>::hello() const noexcept {
   Hello h{.role = kSender<Out>,
           .session = config_.session,
           .scene_hash = config_.scene_hash,
-          .capabilities = config_.capabilities,
           .peer_session = peer_ ? peer_->session : 0};
   if (h.role == Role::master) {
     h.take_over = config_.take_over && leased_by_ == 0;

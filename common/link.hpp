@@ -29,7 +29,6 @@ class SecureChannel;
 struct LinkConfig {
   std::uint64_t session = 0;  // random, not 0, another one at every start
   std::uint64_t scene_hash = 0;
-  std::uint32_t capabilities = 0;
   Duration hello_period = std::chrono::milliseconds(100);
   // Without data for so long: hello again. Without anything: the master's lease is over.
   Duration silence = std::chrono::milliseconds(500);

@@ -2,6 +2,8 @@
 // Filled by the shell from the link, so that the tick knows no clock but `now` and no socket.
 #pragma once
 
+#include <cstdint>
+
 #include "common/time.hpp"
 
 namespace farhand {
@@ -13,6 +15,8 @@ struct Peer {
   Duration age = Duration::max();       // since the newest arrived, on our clock
   bool synced = false;                  // its clock is known, and so how long a message takes
   Duration echo_age = Duration::max();  // of our message that it answers; max before one
+  Duration sent{};                      // the newest, on the peer's clock since its epoch
+  std::uint64_t session = 0;            // the peer's
 };
 
 // As the link sees it at `now`; silence beyond `lost` ends the connection. `link` is a Link<Out,
@@ -27,7 +31,9 @@ Peer<Message> peer(const AnyLink& link, TimePoint now, Duration lost) noexcept {
           .age = age,
           .synced = newest->transit_known,
           .echo_age = newest->echo_sequence == 0 ? Duration::max()
-                                                 : now.time_since_epoch() - newest->echo_sent};
+                                                 : now.time_since_epoch() - newest->echo_sent,
+          .sent = newest->sent,
+          .session = link.peer() ? link.peer()->session : 0};
 }
 
 }  // namespace farhand

@@ -106,8 +106,20 @@ class Playout {
     const Entry& b = at(1);
     return a.value + (seconds(t - a.sent) / seconds(b.sent - a.sent)) * (b.value - a.value);
   }
+  // Pushed last.
+  Value newest(const Value& before = {}) const noexcept {
+    return size_ > 0 ? at(size_ - 1).value : before;
+  }
+  // What came before the newest is not played any more.
+  void skip_to_newest() noexcept {
+    if (size_ > 1) first_ = (first_ + size_ - 1) % kCapacity, size_ = 1;
+  }
   double delay() const noexcept { return clock_.delay(); }
-  Duration played() const noexcept { return clock_.played(); }  // the sender's time, last
+  // When what was given out last was sent, by the sender's time: no later than the newest.
+  Duration given() const noexcept {
+    return size_ > 0 ? std::clamp(clock_.played(), at(0).sent, at(size_ - 1).sent)
+                     : clock_.played();
+  }
 
  private:
   static constexpr std::size_t kCapacity = 512;  // half a second at 1 kHz
@@ -116,6 +128,7 @@ class Playout {
     Value value{};
   };
   Entry& at(std::size_t i) noexcept { return ring_[(first_ + i) % kCapacity]; }
+  const Entry& at(std::size_t i) const noexcept { return ring_[(first_ + i) % kCapacity]; }
 
   PlayoutClock clock_;
   std::array<Entry, kCapacity> ring_{};

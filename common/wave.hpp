@@ -24,6 +24,7 @@
 
 #include "common/geometry.hpp"
 #include "common/playout.hpp"
+#include "common/wave_sum.hpp"
 
 namespace farhand {
 
@@ -33,24 +34,6 @@ struct WaveConfig {
   double tau = 0.004;  // [s] of the reconstruction
   PlayoutConfig playout;
 };
-
-// Since the session began.
-struct WaveSum {
-  Vec3 U = Vec3::Zero();  // of the wave
-  double E = 0;           // of half its square
-};
-inline WaveSum operator+(const WaveSum& a, const WaveSum& b) noexcept {
-  return {a.U + b.U, a.E + b.E};
-}
-inline WaveSum operator-(const WaveSum& a, const WaveSum& b) noexcept {
-  return {a.U - b.U, a.E - b.E};
-}
-inline WaveSum operator*(double s, const WaveSum& a) noexcept {
-  return {s * a.U, s * a.E};
-}
-inline WaveSum after(const WaveSum& sum, const Vec3& wave, double Ts) noexcept {
-  return {sum.U + Ts * wave, sum.E + Ts / 2 * wave.squaredNorm()};
-}
 
 class WaveReceiver {
  public:
@@ -70,6 +53,11 @@ class WaveReceiver {
     out_ = after(out_, wave, config_.Ts);
     return wave;
   }
+  // A coupling begins: what the newest message sums up was meant for another one, and is not
+  // played.
+  void start() noexcept { out_ = playout_.newest(); }
+  // Another sender: its sums and its clock begin anew.
+  void clear() noexcept { *this = WaveReceiver(config_); }
   double delay() const noexcept { return playout_.delay(); }  // [s] of the playout
 
  private:

@@ -11,11 +11,12 @@
 #include "common/method.hpp"
 #include "common/mode.hpp"
 #include "common/ports.hpp"
+#include "common/wave_sum.hpp"
 
 namespace farhand {
 
 inline constexpr std::uint32_t kProtocolVersion =
-    4;                                               // changes with any byte below or in wire.proto
+    5;                                               // changes with any byte below or in wire.proto
 inline constexpr std::uint32_t kMagic = 0x314c4846;  // "FHL1", little endian like every number
 inline constexpr std::size_t kMaxDatagramBytes = 1200;  // below any path's MTU: never fragmented
 inline constexpr std::size_t kChannelHeaderBytes = 6;   // magic, payload length
@@ -26,7 +27,7 @@ inline constexpr std::size_t kMaxPayloadBytes =
     kMaxDatagramBytes - kDtlsHeaderBytes - kDtlsTagBytes;  // fits the plain frame too
 
 // Payload sizes, type byte included. A payload of another size is refused.
-inline constexpr std::size_t kHelloBytes = 49;
+inline constexpr std::size_t kHelloBytes = 44;
 inline constexpr std::size_t kMasterToSlaveBytes = 220;
 inline constexpr std::size_t kSlaveToMasterBytes = 269;
 // More with what only some bilateral architectures and compensations send.
@@ -34,6 +35,8 @@ inline constexpr std::size_t kUserWrenchBytes = 52;
 inline constexpr std::size_t kFeltBytes = 27;
 inline constexpr std::size_t kRobotBytes = 116;
 inline constexpr std::size_t kWallBytes = 91;
+inline constexpr std::size_t kWaveBytes = 38;
+inline constexpr std::size_t kActedBytes = 10;
 
 inline constexpr double kQuaternionTolerance = 1e-6;  // on the norm
 inline constexpr std::uint64_t kMaxStamp = std::uint64_t{1}
@@ -43,9 +46,6 @@ inline constexpr std::uint64_t kMaxStamp = std::uint64_t{1}
 enum class PayloadType : std::uint8_t { hello = 1, master_to_slave = 2, slave_to_master = 3 };
 
 enum class Role : std::uint8_t { master, slave };
-
-// Bits of Hello::capabilities.
-inline constexpr std::uint32_t kForceWanted = 1;  // the master has a use for the slave's wrench
 
 // What a slave says a master has: one of them leads it.
 enum class Lease : std::uint8_t {
@@ -60,7 +60,6 @@ struct Hello {
   Role role = Role::master;
   std::uint64_t session = 0;  // random at each start, not 0
   std::uint64_t scene_hash = 0;
-  std::uint32_t capabilities = 0;
   bool take_over = false;          // a master's: lead in the place of the one that leads
   std::uint64_t peer_session = 0;  // the one it answers; 0: none
   Lease lease = Lease::none;       // a slave's, of peer_session
@@ -87,7 +86,7 @@ struct MasterToSlave {
   Reason reason = Reason::no_partner;  // for the mode
   bool dead_man = false;               // held right now
   bool clutch = false;                 // held right now
-  bool force_wanted = false;           // send me the wrench
+  bool force_wanted = false;           // the wrench is of use
   std::uint32_t dead_man_presses = 0;  // edges since the session began: none is missed by a loss
   std::uint32_t clutch_presses = 0;
   Method method = Method::direct;  // by which the robot shall follow
@@ -96,6 +95,8 @@ struct MasterToSlave {
   Wrench F_user_M;  // user on handle at H, M axes
   bool has_felt = false;
   Vec3 F_felt_M = Vec3::Zero();  // handle on what it is coupled to, M axes [N]
+  bool has_wave = false;
+  WaveSum wave;  // M axes
 };
 
 struct SlaveToMaster {
@@ -119,6 +120,10 @@ struct SlaveToMaster {
   Twist V_MR;
   bool has_wall = false;
   LocalWall wall;  // M axes, in the handle's terms
+  bool has_wave = false;
+  WaveSum wave;  // M axes
+  bool has_acted = false;
+  std::uint64_t acted = 0;  // Header::sent of the pose that F_E_M answers, on the master's clock
 };
 
 // What became of a received datagram, in the order of the checks.

@@ -34,7 +34,6 @@ int main(int argc, char** argv) {
           secure = make_secure(scene, socket->peer());
           LinkConfig config =
               link_config(scene, random_session(), secure ? &secure->channel() : nullptr);
-          config.capabilities = wants_force(master.config()) ? kForceWanted : 0u;
           config.take_over = options.take_over;
           link.emplace(config);
         }

@@ -42,20 +42,30 @@ TYPED_TEST_SUITE(CodecOf, Messages);
 
 std::size_t size_of(const MasterToSlave& m) {
   return kMasterToSlaveBytes + (m.has_user_wrench ? kUserWrenchBytes : 0) +
-         (m.has_felt ? kFeltBytes : 0);
+         (m.has_felt ? kFeltBytes : 0) + (m.has_wave ? kWaveBytes : 0);
 }
 std::size_t size_of(const SlaveToMaster& m) {
-  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0);
+  return kSlaveToMasterBytes + (m.has_robot ? kRobotBytes : 0) + (m.has_wall ? kWallBytes : 0) +
+         (m.has_wave ? kWaveBytes : 0) + (m.has_acted ? kActedBytes : 0);
 }
 
 // What only some scenes send comes last, so some prefixes are shorter messages.
 bool is_whole_without_its_end(MasterToSlave m, std::size_t n) {
-  m.has_felt = false;
-  return n == size_of(m);
+  bool whole = false;
+  for (bool MasterToSlave::*block : {&MasterToSlave::has_wave, &MasterToSlave::has_felt}) {
+    m.*block = false;
+    whole = whole || n == size_of(m);
+  }
+  return whole;
 }
 bool is_whole_without_its_end(SlaveToMaster m, std::size_t n) {
-  m.has_wall = false;
-  return n == size_of(m) || n == size_of(SlaveToMaster{});
+  bool whole = false;
+  for (bool SlaveToMaster::*block : {&SlaveToMaster::has_acted, &SlaveToMaster::has_wave,
+                                     &SlaveToMaster::has_wall, &SlaveToMaster::has_robot}) {
+    m.*block = false;
+    whole = whole || n == size_of(m);
+  }
+  return whole;
 }
 
 TYPED_TEST(CodecOf, ComesBackToTheLastBitAndInItsSize) {
@@ -157,6 +167,9 @@ TEST(Codec, MessagesThatCannotBeAreNotSent) {
         [&](auto& m) { m.energies.translation = bad; },
         [&](auto& m) { m.energies.rotation = bad; },
         [&](auto& m) { m.F_felt_M.y() = bad; },
+        [&](auto& m) { m.wave.U.x() = bad, m.has_wave = true; },
+        [&](auto& m) { m.wave.E = bad, m.has_wave = true; },
+        [](auto& m) { m.wave.E = -1, m.has_wave = true; },
         [](auto& m) { m.mode = static_cast<Mode>(kModes); },
         [](auto& m) { m.reason = static_cast<Reason>(kReasons); },
         [](auto& m) { m.method = static_cast<Method>(kMethods); }};
@@ -176,6 +189,9 @@ TEST(Codec, MessagesThatCannotBeAreNotSent) {
         [&](auto& m) { m.wall.b = bad, m.has_wall = true; },
         [&](auto& m) { m.wall.net = bad, m.has_wall = true; },
         [](auto& m) { m.wall.k = -1, m.has_wall = true; },
+        [&](auto& m) { m.wave.U.z() = bad, m.has_wave = true; },
+        [&](auto& m) { m.wave.E = bad, m.has_wave = true; },
+        [](auto& m) { m.acted = kMaxStamp + 1, m.has_acted = true; },
         [](auto& m) { m.wall.known = m.has_wall = true; }};  // without a normal
     for (const auto& fault : down) {
       MasterToSlave m;
@@ -210,9 +226,9 @@ class Foreign : public testing::Test {
  protected:
   Foreign() {
     std::array<std::byte, kMaxPayloadBytes> payload;
-    const std::size_t size =
-        codec.encode({.session = 1, .sequence = 1},
-                     MasterToSlave{.has_user_wrench = true, .has_felt = true}, payload);
+    const std::size_t size = codec.encode(
+        {.session = 1, .sequence = 1},
+        MasterToSlave{.has_user_wrench = true, .has_felt = true, .has_wave = true}, payload);
     EXPECT_TRUE(message.ParseFromArray(&payload[1], static_cast<int>(size - 1)));
   }
   Verdict decoded() {
@@ -234,7 +250,8 @@ TEST_F(Foreign, AMessageWithoutOneOfItsFieldsIsMalformed) {
   const auto* descriptor = message.GetDescriptor();
   const proto::MasterToSlave whole = message;
   for (int i = 0; i < descriptor->field_count(); ++i) {
-    if (descriptor->field(i)->name() == "felt_force_in_master_newton") continue;  // a block alone
+    const std::string& name = descriptor->field(i)->name();
+    if (name == "felt_force_in_master_newton" || name == "wave") continue;  // blocks alone
     message = whole;
     message.GetReflection()->ClearField(&message, descriptor->field(i));
     EXPECT_EQ(decoded(), Verdict::malformed) << descriptor->field(i)->name();
@@ -270,6 +287,15 @@ TEST_F(Foreign, AnUnknownModeIsMalformed) {
   EXPECT_EQ(decoded(), Verdict::malformed);
 }
 
+TEST_F(Foreign, AWaveOfAnotherLengthIsMalformed) {
+  message.mutable_wave()->mutable_integral()->Truncate(2);
+  EXPECT_EQ(decoded(), Verdict::malformed);
+  message.mutable_wave()->mutable_integral()->Add(0);
+  EXPECT_EQ(decoded(), Verdict::accepted);
+  message.mutable_wave()->clear_energy_joule();
+  EXPECT_EQ(decoded(), Verdict::malformed);
+}
+
 TEST_F(Foreign, AppendedFieldsAreMalformed) {
   message.mutable_unknown_fields()->AddVarint(99, 1);
   EXPECT_EQ(decoded(), Verdict::malformed);
@@ -281,7 +307,6 @@ TEST(CodecHello, ComesBackAndHasOneSize) {
   const Hello sent{.role = Role::slave,
                    .session = 7,
                    .scene_hash = 8,
-                   .capabilities = 9,
                    .peer_session = 10,
                    .lease = Lease::refused,
                    .leases = 11};
@@ -291,7 +316,6 @@ TEST(CodecHello, ComesBackAndHasOneSize) {
   EXPECT_EQ(got.role, Role::slave);
   EXPECT_EQ(got.session, 7u);
   EXPECT_EQ(got.scene_hash, 8u);
-  EXPECT_EQ(got.capabilities, 9u);
   EXPECT_EQ(got.peer_session, 10u);
   EXPECT_EQ(got.lease, Lease::refused);
   EXPECT_EQ(got.leases, 11u);

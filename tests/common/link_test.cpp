@@ -15,7 +15,7 @@ TEST_F(LinkTest, ShakesHandsAndCarriesMessagesBothWays) {
   EXPECT_FALSE(master.connected() || slave.connected());
   EXPECT_TRUE(master.encode({}, now).empty());  // to nobody yet
   connect();
-  EXPECT_EQ(slave.peer()->capabilities, kForceWanted);
+  EXPECT_EQ(slave.peer()->session, 1u);
   Random random(1);
   for (int i = 0; i < 1000; ++i) {
     now += 1ms;

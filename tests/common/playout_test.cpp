@@ -104,6 +104,21 @@ TEST(Playout, InterpolatesBetweenMessagesAndHoldsAfterTheNewest) {
   EXPECT_NEAR(p.play(milliseconds(31)), 20, 1e-9);
 }
 
+TEST(Playout, TellsWhatItGivesOutAndSkipsWhatIsNotWantedAnyMore) {
+  Playout<double> p({});
+  EXPECT_EQ(p.newest(-1), -1);
+  for (int i = 0; i <= 5; ++i) p.push(milliseconds(i), i, milliseconds(i + 10));
+  EXPECT_EQ(p.newest(), 5);
+  EXPECT_EQ(p.play(milliseconds(13)), 2);
+  EXPECT_EQ(p.given(), milliseconds(2));
+  p.play(milliseconds(50));
+  EXPECT_EQ(p.given(), milliseconds(5));  // held: no more of it was given
+  for (int i = 50; i <= 55; ++i) p.push(milliseconds(i), i, milliseconds(i + 10));
+  p.skip_to_newest();
+  EXPECT_EQ(p.play(milliseconds(60)), 55);
+  EXPECT_EQ(p.given(), milliseconds(55));
+}
+
 TEST(Playout, StretchesTimeWhenTheWayGetsLongerAndShrinksIt) {
   Playout<double> p({});
   double middle = 0;

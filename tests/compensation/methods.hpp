@@ -200,7 +200,7 @@ class Smith : public Method {
     poses_.push(Duration(static_cast<Duration::rep>(m.sent)), along(m.x), now.time_since_epoch());
   }
   void tell(Message& m, bool by_master) override {
-    if (!by_master) m.acted = static_cast<std::uint64_t>(poses_.played().count());
+    if (!by_master) m.acted = static_cast<std::uint64_t>(poses_.given().count());
   }
   double felt(const MasterView& m) override {
     if (!m.from.in) return 0;

@@ -67,7 +67,7 @@ class LinkTest : public testing::Test {
   }
 
   TimePoint now = kStart;
-  MasterLink master{{.session = 1, .scene_hash = kScene, .capabilities = kForceWanted}};
+  MasterLink master{{.session = 1, .scene_hash = kScene}};
   SlaveLink slave{{.session = 2, .scene_hash = kScene}};
   Codec codec;
 };

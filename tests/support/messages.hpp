@@ -46,6 +46,11 @@ inline LocalWall random_wall(Random& random) {
   return w;
 }
 
+inline WaveSum random_wave(Random& random) {
+  const Vec3 U = random_vector(random);
+  return {U, random.uniform()};
+}
+
 inline void randomise(Random& random, MasterToSlave& m) {
   m.p_MH = random_vector(random);
   m.q_MH = random_rotation(random);
@@ -62,6 +67,8 @@ inline void randomise(Random& random, MasterToSlave& m) {
   m.energies.rotation = random.normal();
   m.has_felt = random_bool(random);
   m.F_felt_M = m.has_felt ? random_vector(random) : Vec3::Zero();
+  m.has_wave = random_bool(random);
+  m.wave = m.has_wave ? random_wave(random) : WaveSum{};
   m.has_user_wrench = random_bool(random);
   m.F_user_M = {};
   if (!m.has_user_wrench) return;
@@ -89,6 +96,10 @@ inline void randomise(Random& random, SlaveToMaster& m) {
   m.V_MR = m.has_robot ? random_twist(random) : Twist{};
   m.has_wall = random_bool(random);
   m.wall = m.has_wall ? random_wall(random) : LocalWall{};
+  m.has_wave = random_bool(random);
+  m.wave = m.has_wave ? random_wave(random) : WaveSum{};
+  m.has_acted = random_bool(random);
+  m.acted = m.has_acted ? random.bits() % (kMaxStamp + 1) : 0;
 }
 
 // To the last bit.
@@ -99,6 +110,9 @@ inline bool same(const LocalWall& a, const LocalWall& b) {
   return a.known == b.known && a.sure == b.sure && a.x_w == b.x_w && a.n == b.n && a.k == b.k &&
          a.b == b.b && a.contacts == b.contacts && a.net == b.net;
 }
+inline bool same(const WaveSum& a, const WaveSum& b) {
+  return a.U == b.U && a.E == b.E;
+}
 inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
   return a.p_MH == b.p_MH && a.q_MH.coeffs() == b.q_MH.coeffs() && same(a.V_MH, b.V_MH) &&
          a.mode == b.mode && a.reason == b.reason && a.dead_man == b.dead_man &&
@@ -107,7 +121,8 @@ inline bool same(const MasterToSlave& a, const MasterToSlave& b) {
          a.method == b.method && a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_user_wrench == b.has_user_wrench &&
          a.F_user_M.force == b.F_user_M.force && a.has_felt == b.has_felt &&
-         a.F_felt_M == b.F_felt_M && a.F_user_M.torque == b.F_user_M.torque;
+         a.F_felt_M == b.F_felt_M && a.F_user_M.torque == b.F_user_M.torque &&
+         a.has_wave == b.has_wave && same(a.wave, b.wave);
 }
 inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
   return a.p_SE == b.p_SE && a.q_SE.coeffs() == b.q_SE.coeffs() && same(a.V_SE, b.V_SE) &&
@@ -118,7 +133,8 @@ inline bool same(const SlaveToMaster& a, const SlaveToMaster& b) {
          a.energies.translation == b.energies.translation &&
          a.energies.rotation == b.energies.rotation && a.has_robot == b.has_robot &&
          a.p_MR == b.p_MR && a.q_MR.coeffs() == b.q_MR.coeffs() && same(a.V_MR, b.V_MR) &&
-         a.has_wall == b.has_wall && same(a.wall, b.wall);
+         a.has_wall == b.has_wall && same(a.wall, b.wall) && a.has_wave == b.has_wave &&
+         same(a.wave, b.wave) && a.has_acted == b.has_acted && a.acted == b.acted;
 }
 
 }  // namespace farhand
