@@ -7,18 +7,27 @@
 
 namespace farhand {
 
+// The peer's `in`, of its newest message. What it counted before we first heard it was another's to
+// give out; less than before means that it began anew.
+class PeerEnergy {
+ public:
+  void hear(double peer_in, EnergyBudget& budget) noexcept {
+    if (heard_ && peer_in < *heard_) budget.restart();
+    if (!heard_ || peer_in < *heard_) before_ = peer_in;
+    heard_ = peer_in;
+    budget.receive(peer_in - before_);
+  }
+
+ private:
+  std::optional<double> heard_;
+  double before_ = 0;
+};
+
 class GuardedPort {
  public:
   explicit GuardedPort(const ForceGuardConfig& config) noexcept : guard_(config) {}
 
-  // The peer's `in`, of its newest message. What it counted before we first heard it was another's
-  // to give out; less than before means that it began anew.
-  void hear(double peer_in) noexcept {
-    if (heard_ && peer_in < *heard_) guard_.budget().restart();
-    if (!heard_ || peer_in < *heard_) before_ = peer_in;
-    heard_ = peer_in;
-    guard_.budget().receive(peer_in - before_);
-  }
+  void hear(double peer_in) noexcept { peer_.hear(peer_in, guard_.budget()); }
   double told() const noexcept { return guard_.budget().in(); }
 
   Vec3 step(const Vec3& F_wanted, const Vec3& x) noexcept { return guard_.step(F_wanted, x); }
@@ -28,8 +37,7 @@ class GuardedPort {
 
  private:
   ForceGuard guard_;
-  std::optional<double> heard_;
-  double before_ = 0;
+  PeerEnergy peer_;
 };
 
 }  // namespace farhand

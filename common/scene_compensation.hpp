@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/damped.hpp"
+#include "common/wave.hpp"
 #include "proto/scene.pb.h"
 
 namespace farhand {
@@ -19,6 +20,17 @@ inline const proto::DampedCompensation& damped(const proto::Scene& scene) {
 inline const proto::MediatedCompensation& mediated(const proto::Scene& scene) {
   const proto::Compensation& c = scene.compensation();
   return c.has_auto_() ? c.auto_().mmt() : c.mmt();
+}
+
+// What turns a stiffness, damping or mass at the tool into the one that the handle feels.
+inline double handle_terms(const proto::Scene& scene) {
+  const proto::Workspace& w = scene.slave().workspace();
+  return w.scale() * w.force_scale();
+}
+
+inline WaveConfig wave_translation(const proto::WaveCompensation& w, double Ts) {
+  return {
+      .Ts = Ts, .b = w.impedance_newton_s_per_m(), .playout = {.most = w.max_playout_ms() * 1e-3}};
 }
 
 // One port, or one axis of it; Ts [s] is the tick.

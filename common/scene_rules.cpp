@@ -62,6 +62,7 @@ std::optional<SceneFault> check_rules(const Scene& scene) {
   add_slave_rules(rules);
   add_bilateral_rules(rules);
   add_compensation_rules(rules);
+  add_deadband_rules(rules);
   if (auto fault = ask_all(rules, scene, scene, "")) return fault;
   // A link left out is a link of defaults, which must suit the tick rate too.
   return scene.has_slave() && !scene.has_link() ? ask_all(rules, scene, scene.link(), "link")

@@ -31,6 +31,7 @@ void add_master_rules(SceneRules& rules);  // the scene as a whole and the maste
 void add_slave_rules(SceneRules& rules);   // the slave's side and the link
 void add_bilateral_rules(SceneRules& rules);
 void add_compensation_rules(SceneRules& rules);
+void add_deadband_rules(SceneRules& rules);
 
 // broken(message) or broken(scene, message)
 template <typename M, typename F>

@@ -31,7 +31,7 @@ void add_compensation_rules(SceneRules& r) {
   using D = proto::DampedCompensation;
   rule<C>(
       r, "", [](const C& c) { return c.method_case() == C::METHOD_NOT_SET; }, "names no method",
-      "add auto {}, damped {} or mmt {}, or remove it");
+      "add auto {}, damped {}, direct {}, mmt {}, smith {} or wave {}, or remove it");
   rule<C>(
       r, "", [](const Scene& s, const C&) { return !s.has_slave(); },
       "makes up for a network to nowhere without a slave", "remove it");
@@ -52,9 +52,46 @@ void add_compensation_rules(SceneRules& r) {
       r, "", [](const Scene& s, const C& c) { return !c.has_damped() && s.slave().has_boundary(); },
       "lets the hand feel the wall that is touched, not the robot's boundary",
       "remove the slave's boundary, or use damped {}");
+  rule<proto::RegisteredWall>(
+      r, "normal_in_slave",
+      [](const proto::RegisteredWall& w) { return norm(w.normal_in_slave()) < 1e-6; },
+      "has no length", "give the direction into the wall, such as [0, 1, 0]");
   not_on_falcon<D>(r, {"rotation_stiffness_newton_m_per_rad", "max_rotation_damping_newton_m_s",
                        "twist_stiffness_newton_m_per_rad", "max_twist_damping_newton_m_s",
                        "virtual_inertia_kg_m2"});
+}
+
+// The answers of a slave may be left out where the contact force is all of them that is felt.
+void add_deadband_rules(SceneRules& r) {
+  using D = proto::ForceDeadband;
+  rule<D>(
+      r, "",
+      [](const Scene& s, const D&) {
+        return s.has_bilateral() || (s.has_compensation() && !s.compensation().has_direct());
+      },
+      "leaves out answers whose pose, wall or wave is felt, not only their force",
+      "remove it, or use position-force without compensation or with direct {}");
+  rule<D>(
+      r, "",
+      [](const Scene& s, const D&) { return s.has_slave() && !s.slave().has_force_sensing(); },
+      "tells by a force that nothing senses", "add force_sensing {} to the slave, or remove it");
+  rule<D>(
+      r, "", [](const Scene& s, const D&) { return s.link().has_cut_off_us(); },
+      "leaves out answers, so link.cut_off_us would be waited for in vain",
+      "remove one of the two");
+  rule<D>(
+      r, "keep_alive_ms",
+      [](const Scene& s, const D& d) { return 2 * d.keep_alive_ms() > s.link().stale_ms(); },
+      "is more than half of link.stale_ms, so one lost answer would hold all motion",
+      "lower it, or raise stale_ms");
+  rule<D>(
+      r, "keep_alive_ms",
+      [](const Scene& s, const D& d) {
+        return s.master().has_force_feedback() &&
+               d.keep_alive_ms() > s.master().force_feedback().hold_ms();
+      },
+      "is more than force_feedback.hold_ms, so a steady force would fade",
+      "lower it, or raise hold_ms");
 }
 
 void add_bilateral_rules(SceneRules& r) {

@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "common/scene_bilateral.hpp"
-#include "common/scene_compensation.hpp"
 #include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
+#include "master/build_compensation.hpp"
 #include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
 #include "master/build_values.hpp"
@@ -46,77 +46,6 @@ double max_motor_torque(const proto::Master& m) {
                         : m.twin_delta().max_motor_torque_newton_meter();
 }
 
-std::optional<DampedRotationConfig> damped_rotation(const proto::Scene& scene, double Ts) {
-  if (!couples_rotation(scene)) return {};
-  const proto::DampedCompensation& d = damped(scene);
-  DampedRotationConfig c;
-  c.tilt =
-      damped_port(d.rotation_stiffness_newton_m_per_rad(), d.max_rotation_damping_newton_m_s(), Ts);
-  c.twist = damped_port(d.twist_stiffness_newton_m_per_rad(), d.max_twist_damping_newton_m_s(), Ts);
-  c.max_torque = scene.master().force_feedback().max_torque_newton_meter();
-  c.guard.Ts = Ts;
-  return c;
-}
-
-// Without its rotation.
-DampedCouplingConfig damped_coupling(const proto::Scene& scene, double Ts) {
-  DampedCouplingConfig c;
-  c.translation = damped_translation(damped(scene), Ts);
-  c.max_force = scene.master().force_feedback().max_force_newton();
-  c.guard.Ts = Ts;
-  return c;
-}
-
-// Without its rotation.
-MediatedCouplingConfig mediated_coupling(const proto::Scene& scene, double Ts) {
-  const proto::MediatedCompensation& m = mediated(scene);
-  MediatedCouplingConfig c;
-  c.renderer = {.Ts = Ts, .agree_time = m.agree_ms() * 1e-3, .drag = m.drag_newton_s_per_m()};
-  c.max_force = scene.master().force_feedback().max_force_newton();
-  return c;
-}
-
-ChosenCouplingConfig chosen_coupling(const proto::Scene& scene, double Ts) {
-  const proto::AutoCompensation& a = scene.compensation().auto_();
-  const proto::Workspace& w = scene.slave().workspace();
-  const double scales = w.scale() * w.force_scale();
-  ChosenCouplingConfig c;
-  c.choice = {.device_damping = a.device_damping_newton_s_per_m(),
-              .stiffest = a.stiffest_newton_per_m() * scales};
-  c.delay.Ts = Ts;
-  c.damped = damped_coupling(scene, Ts);
-  c.mediated = mediated_coupling(scene, Ts);
-  c.rotation = damped_rotation(scene, Ts);
-  return c;
-}
-
-std::optional<CompensatedForceConfig> compensated_force(const proto::Scene& scene, double Ts) {
-  if (!scene.has_compensation()) return {};
-  if (scene.compensation().has_auto_()) return chosen_coupling(scene, Ts);
-  const auto with_rotation = [&](auto c) {
-    c.rotation = damped_rotation(scene, Ts);
-    return CompensatedForceConfig(c);
-  };
-  if (scene.compensation().has_mmt()) return with_rotation(mediated_coupling(scene, Ts));
-  return with_rotation(damped_coupling(scene, Ts));
-}
-
-std::string compensation_stage(const proto::Scene& scene) {
-  const proto::Compensation& c = scene.compensation();
-  if (c.has_auto_())
-    return "compensation      auto: direct, damped or mmt, by delay and what is known of the wall";
-  if (c.has_mmt())
-    return fmt::format(
-        "compensation      mmt: the slave's wall rendered here, at most {:g} N/m, from a tank",
-        c.mmt().max_stiffness_newton_per_m());
-  if (c.has_damped())
-    return fmt::format(
-        "compensation      damped: {:g} N/m to the robot's place{}, damped by the delay, guarded",
-        c.damped().stiffness_newton_per_m(), c.damped().has_touch() ? " in contact" : "");
-  const proto::ForceFeedback& f = scene.master().force_feedback();
-  return fmt::format("compensation      hold {:g} ms, fade {:g} ms", f.hold_ms(), f.fade_ms());
-}
-
 RobotCouplingConfig robot_coupling(const proto::RobotCoupling& c) {
   return {.stiffness = c.stiffness_newton_per_m(),
           .damping = c.damping_newton_s_per_m(),
@@ -124,6 +53,11 @@ RobotCouplingConfig robot_coupling(const proto::RobotCoupling& c) {
           .rotation_damping = c.rotation_damping_newton_m_s(),
           .twist_stiffness = c.twist_stiffness_newton_m_per_rad(),
           .twist_damping = c.twist_damping_newton_m_s()};
+}
+
+// Not with a deadband: an answer awaited may never come.
+bool answers_every_tick(const proto::Scene& scene) {
+  return !scene.link().has_deadband();
 }
 
 PositionControlConfig position_control(const proto::PositionControl& p, double Ts) {
@@ -224,7 +158,8 @@ MasterConfig master_config(const proto::Scene& scene) {
 
 MasterLoopConfig master_loop_config(const proto::Scene& scene) {
   return {.period = from_seconds(1 / scene.rate_hz()),
-          .cut_off = from_seconds(scene.link().cut_off_us() * 1e-6),
+          .cut_off = answers_every_tick(scene) ? from_seconds(scene.link().cut_off_us() * 1e-6)
+                                               : Duration::zero(),
           .lost = milliseconds(scene.link().lost_ms()),
           .spin = realtime_config(scene.master().realtime()).spin,
           .park = from_seconds(scene.master().position_control().park().at_end_s())};
@@ -253,9 +188,10 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
         fmt::format("force_sensing     user's wrench from both ends, bias and {:g} kg removed",
                     m.force_sensing().grip_mass_kg()));
   if (scene.has_slave())
-    out.push_back("link              send the handle's pose; await the answer");
+    out.push_back(std::string("link              send the handle's pose; ") +
+                  (answers_every_tick(scene) ? "await the answer" : "take the newest answer"));
   if (m.has_force_feedback()) {
-    out.push_back(compensation_stage(scene));
+    out.push_back(compensated_force_stage(scene));
     if (channels(scene).robot_position)
       out.push_back(fmt::format("robot_coupling    {:g} N/m to the robot's position",
                                 coupling(scene.bilateral()).stiffness_newton_per_m()));

@@ -111,6 +111,7 @@ const MasterTick& Master::actuate(TimePoint now, const Peer<SlaveToMaster>& slav
                                   const Vec3& danger_M) noexcept {
   tick_.age = slave.age;
   if (slave.newest != nullptr) {
+    if (compensated_) compensated_->hear(slave, now);
     tick_.slave_mode = slave.newest->mode;
     tick_.slave_reason = slave.newest->reason;
     tick_.coupled = slave.newest->coupled;
@@ -142,7 +143,8 @@ Wrench Master::environment(const Peer<SlaveToMaster>& slave, double share) noexc
                                .V_MH = tick_.out.V_MH,
                                .robot = in,
                                .echo_age = slave.echo_age,
-                               .share = share});
+                               .share = share,
+                               .now = tick_.now});
   Wrench F_G;
   if (config_.reflects_contact) F_G = tick_.handle.R_MG.transpose() * in.F_E_M;
   if (config_.robot_coupling) {
@@ -180,8 +182,9 @@ Wrench Master::wanted_wrench(const Peer<SlaveToMaster>& slave) noexcept {
   // Holding because the link aged: the last wrench fades by its age instead of breaking off.
   const bool in_touch = tick_.mode == Mode::engaged || tick_.mode == Mode::holding;
   const bool felt = in_touch && slave.newest != nullptr && slave.newest->coupled;
-  const CompensationConfig& fading =
-      compensated_ ? kSpringFade : config_.force_feedback->compensation;
+  const CompensationConfig& fading = compensated_ && !compensated_->reflects()
+                                         ? kSpringFade
+                                         : config_.force_feedback->compensation;
   const double share = felt ? fade(fading, slave.age) : 0;
   if (felt && share < 1) tick_.limits |= kLimitStale;
   if (config_.robot_coupling) tick_.F_coupling_G = {};

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/scene_bilateral.hpp"
-#include "common/scene_compensation.hpp"
 #include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
+#include "slave/build_compensation.hpp"
 
 namespace farhand {
 namespace {
@@ -110,70 +110,12 @@ SimArmConfig sim_arm(const proto::SimArm& arm) {
   return c;
 }
 
-std::optional<DampedTurnConfig> damped_turn(const proto::Scene& scene, const SlaveConfig& slave) {
-  if (!couples_rotation(scene)) return {};
-  const proto::DampedCompensation& d = damped(scene);
-  DampedTurnConfig c;
-  c.spring = damped_port(d.rotation_stiffness_newton_m_per_rad(),
-                         d.max_rotation_damping_newton_m_s(), slave.Ts);
-  c.inertia.mass = d.virtual_inertia_kg_m2();
-  c.inertia.max_speed = slave.workspace.rotation_step / slave.Ts;
-  c.inertia.Ts = c.guard.Ts = slave.Ts;
-  return c;
-}
-
-// Without its rotation.
-DampedTargetConfig damped_target(const proto::Scene& scene, const SlaveConfig& slave) {
-  const proto::DampedCompensation& d = damped(scene);
-  DampedTargetConfig c;
-  c.translation = damped_translation(d, slave.Ts);
-  c.mass.mass = d.virtual_mass_kg();
-  c.mass.contact_damping = d.contact_damping_newton_s_per_m();
-  c.mass.max_speed = slave.workspace.position_step / slave.Ts / slave.workspace.scale;
-  c.mass.Ts = c.guard.Ts = slave.Ts;
-  return c;
-}
-
-// Without its rotation. What the scene says of the robot, in the handle's terms.
-MediatedTargetConfig mediated_target(const proto::Scene& scene, const SlaveConfig& slave) {
-  const proto::MediatedCompensation& m = mediated(scene);
-  const double force_scale = slave.workspace.force_scale,
-               scales = slave.workspace.scale * force_scale;
-  MediatedTargetConfig c;
-  c.finder.Ts = c.finder.estimate.Ts = slave.Ts;
-  c.finder.servo_stiffness = m.servo_stiffness_newton_per_m() * scales;
-  c.finder.feared_stiffness *= scales;
-  c.finder.max_stiffness = m.max_stiffness_newton_per_m();
-  c.finder.touch = m.contact_newton() * force_scale;
-  c.finder.miss_felt = std::min(c.finder.miss_felt, 0.4 * c.finder.touch);
-  c.finder.max_force = m.max_contact_newton() * force_scale;
-  return c;
-}
-
-std::optional<CompensatedTargetConfig> compensated_target(const proto::Scene& scene,
-                                                          const SlaveConfig& slave) {
-  if (!scene.has_compensation()) return {};
-  const auto turn = damped_turn(scene, slave);
-  if (scene.compensation().has_auto_())
-    return ChosenTargetConfig{.damped = damped_target(scene, slave),
-                              .mediated = mediated_target(scene, slave),
-                              .rotation = turn};
-  const auto with_rotation = [&](auto c) {
-    c.rotation = turn;
-    return CompensatedTargetConfig(c);
-  };
-  if (scene.compensation().has_mmt()) return with_rotation(mediated_target(scene, slave));
-  return with_rotation(damped_target(scene, slave));
-}
-
-std::string compensation_stage(const proto::Scene& scene) {
-  const proto::Compensation& c = scene.compensation();
-  if (c.has_auto_()) return "compensation    auto: by the method that the master names";
-  if (c.has_mmt())
-    return fmt::format("compensation    mmt: finds the wall, presses by at most {:g} N",
-                       c.mmt().max_contact_newton());
-  return fmt::format("compensation    damped: {:g} kg on a spring to the handle, the target",
-                     c.damped().virtual_mass_kg());
+AnswerDeadbandConfig deadband(const proto::ForceDeadband& d) {
+  DeadbandConfig force{
+      .share = d.share(), .floor = d.floor_newton(), .keep_alive = milliseconds(d.keep_alive_ms())};
+  DeadbandConfig torque = force;
+  torque.floor = d.floor_newton_meter();
+  return {force, torque};
 }
 
 // What the bilateral architecture sends and takes.
@@ -214,6 +156,7 @@ SlaveConfig slave_config(const proto::Scene& scene) {
                        .cutoff_hz = f.cutoff_hz()};
   }
   add_channels(scene, c);
+  if (scene.link().has_deadband()) c.deadband = deadband(scene.link().deadband());
   if (slave.has_boundary()) c.boundary = boundary(slave.boundary(), c.Ts);
   return c;
 }
@@ -239,7 +182,7 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   if (scene.bilateral().has_force_position())
     out.push_back(fmt::format("admittance      the user's force moves {:g} kg, the target",
                               scene.bilateral().force_position().virtual_mass_kg()));
-  if (scene.has_compensation()) out.push_back(compensation_stage(scene));
+  if (scene.has_compensation()) out.push_back(compensated_target_stage(scene));
   const proto::Workspace& w = s.workspace();
   out.push_back(fmt::format(
       "workspace       handle pose to tool target, scale {:g}{}{}", w.scale(),
@@ -266,7 +209,8 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
   out.push_back(std::string("link            send the tool's pose") +
                 (channels(scene).robot_position || scene.has_compensation()
                      ? ", also as a handle pose"
-                     : ""));
+                     : "") +
+                (scene.link().has_deadband() ? ", where it tells something new" : ""));
   return out;
 }
 

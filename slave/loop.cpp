@@ -119,7 +119,7 @@ void SlaveLoop::receive() noexcept {
 void SlaveLoop::send() noexcept {
   const TimePoint now = monotonic_now();
   socket_.send(link_.hello_due(now));
-  socket_.send(link_.encode(record_->tick.out, now));
+  if (record_->tick.answers) socket_.send(link_.encode(record_->tick.out, now));
   send_handshake(link_.secure(), socket_);  // last: strangers make it long
 }
 

@@ -38,7 +38,8 @@ class SlaveLoop {
   // robot comes to rest and is left held, and the master is told.
   void run(Duration limit) noexcept;
 
-  // One period: wait for the master's message or the deadline, read, tick, write, answer.
+  // One period: wait for the master's message or the deadline, read, tick, write, answer if there
+  // is something to tell.
   void turn() noexcept;
 
  private:

@@ -18,6 +18,7 @@ Slave::Slave(const SlaveConfig& config) noexcept
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
   if (config.compensated) compensated_.emplace(*config.compensated);
+  if (config.deadband) deadband_.emplace(*config.deadband);
   if (config.admittance) admittance_.emplace(*config.admittance);
   if (config.workspace.alignment) alignment_.emplace(*config.workspace.alignment);
   if (config.boundary) boundary_.emplace(*config.boundary, config.arm, config.joints);
@@ -31,6 +32,7 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   tick_.robot.ok = robot.ok && plausible(robot) && continues(robot);
   tick_.limits = kLimitNone;
   decide_mode(master, robot.ok);
+  if (compensated_ && master.newest != nullptr) compensated_->hear(master, now);
   const bool was_found = std::exchange(found_, false);
   if (!tick_.robot.ok) {
     stay_blind();
@@ -138,7 +140,7 @@ void Slave::follow_handle(const Peer<MasterToSlave>& master) noexcept {
     couple(config_.workspace, workspace_, X_MH, forward(config_.arm, tick_.q_cmd));
     if (boundary_) boundary_->couple(tick_.q_cmd);
     if (admittance_) admittance_->stop();
-    if (compensated_) compensated_->start(X_MH);
+    if (compensated_) compensated_->start(X_MH, config_.workspace, workspace_);
     tick_.X_SE_target = workspace_.X_SE_target;
   }
   if (admittance_) return follow_push(in);
@@ -168,7 +170,8 @@ void Slave::follow_compensated(const Peer<MasterToSlave>& master) noexcept {
                           .F_E_M = reflect(config_.workspace, tick_.F_E_S),
                           .handle = *master.newest,
                           .age = master.age,
-                          .echo_age = master.echo_age});
+                          .echo_age = master.echo_age,
+                          .now = tick_.now});
   workspace_.X_SE_target = last;
   tick_.X_SE_target = follow(config_.workspace, workspace_, X_MT, tick_.limits);
   reach();
@@ -231,6 +234,7 @@ void Slave::answer(const MasterToSlave* in) noexcept {
     out.dead_man_presses_seen = in->dead_man_presses;
     out.clutch_presses_seen = in->clutch_presses;
   }
+  if (deadband_) tick_.answers = deadband_->due(out, in != nullptr && in->force_wanted, tick_.now);
 }
 
 // Where the robot is, in the handle's terms. While it does not follow the handle these are but an

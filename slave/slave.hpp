@@ -10,6 +10,7 @@
 #include "common/peer.hpp"
 #include "common/time.hpp"
 #include "common/wire.hpp"
+#include "slave/answer_deadband.hpp"
 #include "slave/arm.hpp"
 #include "slave/boundary.hpp"
 #include "slave/compensation/compensated_target.hpp"
@@ -38,6 +39,7 @@ struct SlaveConfig {
   std::optional<AdmittanceConfig> admittance;          // the user's force moves the target
   std::optional<UserForceConfig> user_force;           // the user's force pushes the arm
   std::optional<CompensatedTargetConfig> compensated;  // in place of the handle's pose
+  std::optional<AnswerDeadbandConfig> deadband;        // nothing: every tick is answered
 };
 
 // Everything one tick read, decided and sent; the recorder takes it whole.
@@ -59,6 +61,7 @@ struct SlaveTick {
   ArmSingularity singularity;
   LimitSet limits = kLimitNone;
   SlaveToMaster out;
+  bool answers = true;  // `out` is to be sent: it tells something new
 };
 
 // The boundary's share in what a tick sent, at E, axes of S; of its torque nothing under rotation
@@ -69,8 +72,8 @@ class Slave {
  public:
   explicit Slave(const SlaveConfig& config) noexcept;
 
-  // One period. Write tick.tau to the robot, then send tick.out. The reference stays valid until
-  // the next call.
+  // One period. Write tick.tau to the robot, then send tick.out if the tick answers. The reference
+  // stays valid until the next call.
   const SlaveTick& tick(TimePoint now, const Peer<MasterToSlave>& master,
                         const RobotReading& robot) noexcept;
 
@@ -114,6 +117,7 @@ class Slave {
   std::optional<Admittance> admittance_;
   std::optional<CompensatedTarget> compensated_;
   std::optional<Alignment> alignment_;
+  std::optional<AnswerDeadband> deadband_;
   ModeState state_;
   bool stop_ = false;
   // Of the last message seen. Those of a master not heard yet were meant for no fault of ours.

@@ -41,6 +41,8 @@ std::string summary_rows(const SlaveSummary& s) {
   if (s.force.count > 0)
     out += fmt::format("  contact force          {:8.3f} N rms   {:8.3f} N peak\n", s.force.value(),
                        s.force.peak);
+  if (s.left_out > 0)
+    out += fmt::format("  answers left out       {} of {}\n", s.left_out, s.ticks);
   return out + limit_row(s.limits);
 }
 

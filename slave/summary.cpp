@@ -4,6 +4,7 @@ namespace farhand {
 
 void SlaveSummary::add(const SlaveTick& t) noexcept {
   ++ticks;
+  left_out += !t.answers;
   ++ticks_in_mode[static_cast<std::size_t>(t.mode)];
   limits.add(t.limits);
   const double f = t.F_E_S.force.norm();

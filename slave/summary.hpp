@@ -12,6 +12,7 @@ namespace farhand {
 
 struct SlaveSummary {
   std::uint64_t ticks = 0;
+  std::uint64_t left_out = 0;  // answers that would have told nothing new
   std::array<std::uint64_t, kModes> ticks_in_mode{};
   std::uint64_t coupled_ticks = 0;
   // Tool target against tool, while coupled.

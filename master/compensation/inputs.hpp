@@ -12,6 +12,7 @@ struct CouplingInputs {
   const SlaveToMaster& robot;  // the newest message
   Duration echo_age;           // of our own message that it answers
   double share = 1;            // of what may be felt, by the message's age; it comes back in slowly
+  TimePoint now{};             // when the handle was read
 };
 
 }  // namespace farhand

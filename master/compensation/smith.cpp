@@ -7,7 +7,7 @@ namespace farhand {
 
 Vec3 SmithPredictor::step(const Vec3& x_m, const Vec3& v_m, const Vec3& F_e, TimePoint acted,
                           TimePoint now) noexcept {
-  if (!started_) x_ = x_m, started_ = true;
+  if (!started_) start(x_m);
   past_[next_] = F_;  // the robot's, too, is measured before it moves
   next_ = (next_ + 1) % kLength, known_ = std::min(known_ + 1, kLength);
   const Vec3 correction = F_ - then(std::max(seconds(now - acted), 0.0) / config_.Ts);
@@ -15,13 +15,25 @@ Vec3 SmithPredictor::step(const Vec3& x_m, const Vec3& v_m, const Vec3& F_e, Tim
   return F_e + config_.share * correction;
 }
 
+// It may be in the wall already, and what presses there is no news then.
+void SmithPredictor::start(const Vec3& x_m) noexcept {
+  started_ = true;
+  known_ = 0;
+  x_ = x_m, v_.setZero();
+  F_ = wall_force();
+}
+
+Vec3 SmithPredictor::wall_force() const noexcept {
+  const LocalWall& w = config_.wall;
+  const double depth = (x_ - w.x_w).dot(w.n);
+  return (depth > 0 ? std::max(0.0, w.k * depth + w.b * v_.dot(w.n)) : 0) * w.n;
+}
+
 void SmithPredictor::move(const Vec3& x_m, const Vec3& v_m) noexcept {
   constexpr int kSubsteps = 4;
   const double h = config_.Ts / kSubsteps;
-  const LocalWall& w = config_.wall;
   for (int i = 0; i < kSubsteps; ++i) {
-    const double depth = (x_ - w.x_w).dot(w.n);
-    F_ = (depth > 0 ? std::max(0.0, w.k * depth + w.b * v_.dot(w.n)) : 0) * w.n;
+    F_ = wall_force();
     const Vec3 lead = x_m - (kSubsteps - 1 - i) * h * v_m - x_;
     v_ += h / config_.mass * (config_.Kp * lead + config_.Kd * (v_m - v_) - F_);
     x_ += h * v_;

@@ -37,6 +37,11 @@ class SmithPredictor {
  public:
   explicit SmithPredictor(const SmithConfig& config) noexcept : config_(config) {}
 
+  // Where the registered wall is from now on; nothing known: there is none.
+  void place(const LocalWall& wall) noexcept { config_.wall = wall.known ? wall : LocalWall{}; }
+  // The next step begins anew: the model robot rests where the handle is then.
+  void restart() noexcept { started_ = false; }
+
   // Once per tick. x_m, v_m: handle; F_e: robot on environment, newest; acted: the own time of the
   // pose it answers. Returns the force of the handle on the coupling.
   Vec3 step(const Vec3& x_m, const Vec3& v_m, const Vec3& F_e, TimePoint acted,
@@ -44,6 +49,8 @@ class SmithPredictor {
 
  private:
   static constexpr std::size_t kLength = 1024;  // [ticks]
+  void start(const Vec3& x_m) noexcept;
+  Vec3 wall_force() const noexcept;
   void move(const Vec3& x_m, const Vec3& v_m) noexcept;
   Vec3 then(double ticks_ago) const noexcept;
 

@@ -15,6 +15,7 @@ struct TargetInputs {
   const MasterToSlave& handle;  // the newest message
   Duration age;                 // since it came
   Duration echo_age;            // of our own message that it answers
+  TimePoint now{};              // of this tick
 };
 
 }  // namespace farhand

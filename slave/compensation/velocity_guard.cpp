@@ -5,13 +5,23 @@
 namespace farhand {
 
 Vec3 VelocityGuard::step(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept {
+  const Vec3 out = allowed(v, stretch, F_e);
+  budget_.charge(-config_.Ts * out.dot(F_e));
+  return out;
+}
+
+Vec3 VelocityGuard::step(const Vec3& v, const Vec3& stretch, const Vec3& F_e,
+                         const Vec3& moved) noexcept {
+  budget_.charge(-moved.dot(F_e));
+  return allowed(v, stretch, F_e);
+}
+
+Vec3 VelocityGuard::allowed(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept {
   const double outflow = std::max(v.dot(F_e), 0.0) * config_.Ts;
   const double lack = outflow - std::max(budget_.left(), 0.0), force2 = F_e.squaredNorm();
   acting_ = lack > 0;
   const Vec3 stopped = acting_ ? Vec3(v - lack / (force2 * config_.Ts) * F_e) : v;
-  const Vec3 out = stopped + drift(stopped, stretch, F_e);
-  budget_.charge(-config_.Ts * out.dot(F_e));
-  return out;
+  return stopped + drift(stopped, stretch, F_e);
 }
 
 Vec3 VelocityGuard::drift(const Vec3& v, const Vec3& stretch, const Vec3& F_e) const noexcept {

@@ -30,12 +30,18 @@ class VelocityGuard {
   // The target's velocity in this tick in place of v. stretch: handle, as received, less target;
   // zero without drift compensation. F_e: robot on environment.
   Vec3 step(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept;
+  // The same for a robot that follows its target with a lag: the work counts that it did on the
+  // environment, whatever the target did meanwhile. Target and force of a lagging robot would seem
+  // to get energy out of a wall that gives none. moved: by the robot since the last tick.
+  Vec3 step(const Vec3& v, const Vec3& stretch, const Vec3& F_e, const Vec3& moved) noexcept;
 
+  const VelocityGuardConfig& config() const noexcept { return config_; }
   EnergyBudget& budget() noexcept { return budget_; }
   const EnergyBudget& budget() const noexcept { return budget_; }
   bool acting() const noexcept { return acting_; }
 
  private:
+  Vec3 allowed(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept;
   Vec3 drift(const Vec3& v, const Vec3& stretch, const Vec3& F_e) const noexcept;
 
   VelocityGuardConfig config_;

@@ -18,6 +18,13 @@ class WaveSlave {
 
   void push(Duration sent, const WaveSum& sum, Duration now) noexcept { in_.push(sent, sum, now); }
 
+  // A coupling begins; see WaveReceiver.
+  void start() noexcept {
+    in_.start();
+    lead_.setZero();
+  }
+  void clear() noexcept { in_.clear(); }
+
   // F_s, of the network on the mass. v_sd: velocity of the target in the last tick.
   Vec3 step(const Vec3& v_sd, Duration now) noexcept {
     const double b = config_.b, root = std::sqrt(2 * b);

@@ -37,6 +37,12 @@ inline std::vector<BrokenScene> broken_scenes() {
   const auto with_pid = [&](const std::string& inside) {
     return master + "slave { workspace {} sim_arm {}\n joint_pid { " + inside + " } }";
   };
+  const auto with_compensation = [&](const std::string& inside) {
+    return "master { " + hand +
+           "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {} "
+           "force_sensing {} }\ncompensation { " +
+           inside + " }";
+  };
   const auto with_sensing = [&](const std::string& inside) {
     return "master { " + hand +
            "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {}\n "
@@ -364,6 +370,19 @@ inline std::vector<BrokenScene> broken_scenes() {
            "force_feedback {} }\nslave { sim_arm { force_sensor {} } workspace {} joint_pid {} "
            "force_sensing {} boundary {} }\n@compensation { mmt {} }",
        "compensation", "use damped {}"},
+      {with_compensation("smith {\n @wall { point_in_slave_m: [0, 0, 0] } }"),
+       "compensation.smith.wall.normal_in_slave", "is missing"},
+      {with_compensation("smith { wall { point_in_slave_m: [0, 0, 0]\n"
+                         " @normal_in_slave: [0, 0, 0] } }"),
+       "compensation.smith.wall.normal_in_slave", "has no length"},
+      {with_compensation("wave {} } link {\n @deadband {}"), "link.deadband", "with direct {}"},
+      {with_compensation("direct {} } link { cut_off_us: 300\n @deadband {}"), "link.deadband",
+       "waited for in vain"},
+      {with_compensation("direct {} } link { stale_ms: 30 deadband { keep_alive_ms: @16 }"),
+       "link.deadband.keep_alive_ms", "half of link.stale_ms"},
+      {with_compensation("direct {} } link { stale_ms: 60 deadband { keep_alive_ms: @21 }"),
+       "link.deadband.keep_alive_ms", "more than force_feedback.hold_ms"},
+      {with_link("\n@deadband {}"), "link.deadband", "nothing senses"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},
       {with_link("stale_ms: 50\n max_late_ms: @49"), "link.max_late_ms", "less than stale_ms"},
       {with_link("stale_ms: @500"), "link.stale_ms", "not less than lost_ms"},

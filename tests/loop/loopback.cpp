@@ -165,7 +165,7 @@ void Loopback::slave_tick() {
       s.slave->tick(now, peer<MasterToSlave>(*s.link, now, s.loop.lost), reading);
   if (!s.unplugged) write(s.robot, now_, tick.tau);
   push(Side::master, s.link->hello_due(now));
-  push(Side::master, s.link->encode(tick.out, now));
+  if (tick.answers) push(Side::master, s.link->encode(tick.out, now));
   s.phase->ticked(now, s.arrival);
   s.arrival.reset();
   if (s.link->newest() != nullptr) s.ticked_sequence = s.link->newest()->sequence;

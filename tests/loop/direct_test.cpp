@@ -1,0 +1,60 @@
+// Direct feedback under its guards in whole loops: as good as none at all over a fast network, and
+// bounded where it rings.
+#include <gtest/gtest.h>
+
+#include "common/energy_budget.hpp"
+#include "tests/loop/pressing.hpp"
+
+namespace farhand {
+namespace {
+
+Scene direct_over(double rtt_ms, double wall) {
+  Scene scene = pressing_over(rtt_ms, wall);
+  scene.proto.mutable_compensation()->mutable_direct();
+  return scene;
+}
+
+Pressing run(double rtt, double wall, const Scene& scene) {
+  const Pressing h = pressed(scene, 6);
+  std::printf(
+      "%3.0f ms, wall %4.0f N/m: felt %.3f of it, drag %.2f N, handle %.2f mm/s rms, robot presses "
+      "%.1f N at most, operator's energy %.4f J\n",
+      rtt, wall, h.stiffness / wall, h.drag, h.chatter * 1e3, h.peak_contact, h.operator_energy);
+  EXPECT_EQ(h.violations, 0u);
+  EXPECT_EQ(h.method, Method::direct);
+  // Both stores, and what the robot does by its lag once its target was stopped: 13 mJ at most
+  // here.
+  EXPECT_GE(h.operator_energy, -3 * kEnergyStore) << rtt << ' ' << wall;
+  EXPECT_LT(h.chatter, 0.005) << rtt << ' ' << wall;
+  return h;
+}
+
+TEST(DirectLoop, FeelsTheWallWhereItDoesNotRing) {
+  for (const auto& [rtt, wall] : {std::pair{2., 200.}, {2., 1000.}, {20., 200.}}) {
+    const Pressing h = run(rtt, wall, direct_over(rtt, wall));
+    EXPECT_NEAR(h.stiffness / wall, 1, 0.05) << rtt << ' ' << wall;
+    EXPECT_LE(h.drag, 0.1) << rtt << ' ' << wall;
+  }
+}
+
+// Beyond B_h / ke of round trip.
+TEST(DirectLoop, IsHeldByItsGuardsWhereItRings) {
+  for (const auto& [rtt, wall] : {std::pair{2., 5000.},
+                                  {20., 1000.},
+                                  {20., 5000.},
+                                  {100., 200.},
+                                  {100., 1000.},
+                                  {100., 5000.}})
+    run(rtt, wall, direct_over(rtt, wall));
+}
+
+TEST(DirectLoop, IsBoundedOverABadNetwork) {
+  for (const double wall : {200., 1000., 5000.}) {
+    Scene scene = direct_over(20, wall);
+    worsen(scene, 5);
+    run(20, wall, scene);
+  }
+}
+
+}  // namespace
+}  // namespace farhand
