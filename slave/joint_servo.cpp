@@ -90,7 +90,7 @@ Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
     }
   }
   drive_ = limited(drive);
-  held_back_ = drive != drive_;
+  held_back_ = (drive.cwiseAbs() - max_drive_).maxCoeff() > 0;
   ahead -= drive - drive_;
   Vec6 tau;
   for (int i = 0; i < 6; ++i) {

@@ -50,6 +50,9 @@ class Loopback {
   Channel on_send, on_arrival;
   // Every datagram that enters the network, on its way to a side.
   std::function<void(Side to, std::span<const std::byte>)> on_sent = [](Side, auto) {};
+  // Every datagram a side has read, as it arrived, and whether its link took it.
+  std::function<void(Side to, std::span<const std::byte>, bool accepted)> on_received =
+      [](Side, auto, bool) {};
 
   // From here on, now() is the present.
   //
