@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each), 10^4
-# cuts of the link: about an hour on one core. `stress.sh hosts` is the other one: both programs on two hosts through every harm
-# fifty times, five side by side; with a number, five times as often as that. `stress.sh flood` is a teleoperation flooded by a stranger, 30 s of
-# each kind; with a number, so many seconds, and with a second one so many datagrams a second. `stress.sh fuzz` runs each fuzz
-# target for ten minutes; with a number, so many seconds. What it finds is in build/fuzz.
-# `stress.sh sim` is 2000 seeds of faults under virtual time, 30 s
-# each, or as many as a number says, and `stress.sh sim hours` 100 simulated hours of them, or as many as a number says.
+# The long stress runs: 10^8 faulty ticks of each scene, 10^9 ticks of every controller (with a number, that many of each): about
+# an hour on one core. By name:
+#   cuts [N]               the link cut 10 000 times at random moments
+#   sim [N]                2000 seeds of faults under virtual time, 30 s each
+#   sim hours [N]          100 simulated hours of them
+#   hosts [N]              both programs on two hosts through every harm, five side by side, N (10) times over: some 12 minutes
+#   flood [SECONDS [RATE]] a teleoperation flooded by a stranger, 30 s of each kind, RATE datagrams a second
+#   fuzz [SECONDS]         each fuzz target for ten minutes; what it finds is in build/fuzz
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -37,7 +38,10 @@ if [[ "${1:-}" == sim ]]; then
   [[ "$seeds" == hours ]] && seeds=$((120 * ${3:-100}))   # of 30 s
   exec build/release/bin/farhand-sim --seeds "1:$seeds" --record build/sim
 fi
-cmake --build --preset release --target stress_ticks_test stress_controllers_test loop_link_cut_test
+if [[ "${1:-}" == cuts ]]; then
+  cmake --build --preset release --target loop_link_cut_test
+  FARHAND_STRESS_TICKS="${2:-10000}" exec build/release/bin/loop_link_cut_test
+fi
+cmake --build --preset release --target stress_ticks_test stress_controllers_test
 FARHAND_STRESS_TICKS="${1:-100000000}" build/release/bin/stress_ticks_test
 FARHAND_STRESS_TICKS="${1:-1000000000}" build/release/bin/stress_controllers_test
-FARHAND_STRESS_TICKS=10000 build/release/bin/loop_link_cut_test

@@ -50,6 +50,7 @@ void JointServo::reset() noexcept {
   primed_ = false;
   dq_cmd_.setZero();
   drive_.setZero();
+  held_back_ = false;
 }
 
 bool JointServo::saturated() const noexcept {
@@ -89,6 +90,7 @@ Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
     }
   }
   drive_ = limited(drive);
+  held_back_ = (drive.cwiseAbs() - max_drive_).maxCoeff() > 0;
   ahead -= drive - drive_;
   Vec6 tau;
   for (int i = 0; i < 6; ++i) {

@@ -63,6 +63,8 @@ class JointServo {
   void reset() noexcept;
   // A controller's integral was stopped by the torque limit in the last step.
   bool saturated() const noexcept;
+  // A joint's largest speed held its drive back in the last step: it follows later.
+  bool held_back() const noexcept { return held_back_; }
 
  private:
   const Vec6& command_rate(const Vec6& q_cmd) noexcept;
@@ -77,6 +79,7 @@ class JointServo {
   Vec6 max_drive_;   // kd times the largest speed asked for [N m]
   Vec6 drive_step_;  // its largest change [N m per tick]
   Vec6 drive_ = Vec6::Zero();
+  bool held_back_ = false;
   std::array<PidState, 6> state_;
   bool primed_ = false;
   Vec6 q_cmd_ = Vec6::Zero();

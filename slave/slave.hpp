@@ -107,9 +107,10 @@ class Slave {
   void tell_where() noexcept;
 
   SlaveConfig config_;
-  Vec6 q_step_;    // largest joint command change per tick [rad]
-  Vec6 tau_max_;   // [N m]
-  Vec6 tau_step_;  // [N m per tick]
+  Vec6 q_step_;     // largest joint command change per tick [rad]
+  double braking_;  // and towards a joint limit, as a share of the way there
+  Vec6 tau_max_;    // [N m]
+  Vec6 tau_step_;   // [N m per tick]
   WorkspaceState workspace_;
   JointServo servo_;
   std::optional<ForceSensing> force_sensing_;

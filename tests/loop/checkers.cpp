@@ -6,8 +6,8 @@ namespace farhand {
 namespace {
 
 constexpr double kRounding = 1e-9;  // relative room for the limiters' own arithmetic
-// The command never leaves the joint limits or speeds; the simulated joint behind it may overshoot
-// by what a servo of damping ratio 0.9 does.
+// The command never leaves the joint limits or speeds and brakes before the former; the simulated
+// joint behind it may be pushed, and a servo of damping ratio 0.9 overshoots speeds.
 constexpr double kOvershoot = 0.02;       // [rad]
 constexpr double kSpeedOvershoot = 1.15;  // of the speed limit
 

@@ -142,12 +142,12 @@ void Loopback::arrive(Side to, std::span<const std::byte> datagram) {
 }
 
 void Loopback::receive(Side to, std::span<const std::byte> datagram) noexcept {
-  if (on_arrival) datagram = on_arrival(to, datagram);
-  if (datagram.empty()) return;
-  if (to == Side::master)
-    link_->receive(datagram, clock_.local(now_));
-  else
-    slave_->link->receive(datagram, slave_->clock.local(now_));
+  const auto opened = on_arrival ? on_arrival(to, datagram) : datagram;
+  const TimePoint now = clock(to).local(now_);
+  const auto taken = [&](auto& link) {
+    return !opened.empty() && link.receive(opened, now) == Verdict::accepted;
+  };
+  on_received(to, datagram, to == Side::master ? taken(*link_) : taken(*slave_->link));
 }
 
 void Loopback::note_arrival() noexcept {

@@ -50,6 +50,9 @@ class Loopback {
   Channel on_send, on_arrival;
   // Every datagram that enters the network, on its way to a side.
   std::function<void(Side to, std::span<const std::byte>)> on_sent = [](Side, auto) {};
+  // Every datagram a side has read, as it arrived, and whether its link took it.
+  std::function<void(Side to, std::span<const std::byte>, bool accepted)> on_received =
+      [](Side, auto, bool) {};
 
   // From here on, now() is the present.
   //
@@ -68,8 +71,8 @@ class Loopback {
   void send(Side to, std::span<const std::byte> datagram) noexcept;
   void inject(Side to, std::span<const std::byte> datagram);
 
-  // While cut, nothing more enters the network; what is under way arrives.
-  void cut(bool on) noexcept { cut_ = on; }
+  // While a way is cut, nothing more enters it; what is under way arrives.
+  void cut(bool to_slave, bool to_master) noexcept { cut_ = {to_master, to_slave}; }
 
   // Runs to the end of the scene's duration.
   void run();
@@ -168,8 +171,8 @@ class Loopback {
 
   TimePoint now_ = kStart;
   TimePoint end_;
-  TimePoint next_sample_;  // as cut_off_ on the master's clock
-  bool cut_ = false;
+  TimePoint next_sample_;             // as cut_off_ on the master's clock
+  std::array<bool, 2> cut_{};         // the way to master, to slave
   std::optional<TimePoint> cut_off_;  // while an answer is awaited
   std::uint64_t sent_sequence_ = 0;
   std::array<std::byte, kMaxDatagramBytes> buffer_{};

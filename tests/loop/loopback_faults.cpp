@@ -51,7 +51,7 @@ void Loopback::push(Side to, std::span<const std::byte> datagram) noexcept {
 }
 
 void Loopback::send(Side to, std::span<const std::byte> datagram) noexcept {
-  if (cut_) return;
+  if (cut_[static_cast<std::size_t>(to)]) return;
   on_sent(to, datagram);
   (to == Side::master ? slave_->to_master : slave_->to_slave).push(datagram, now_);
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "common/link.hpp"
@@ -18,8 +20,9 @@ class Attacker {
   void overhear(Side to, std::span<const std::byte> datagram);
   // One tick; rate in datagrams per tick.
   void replay(Loopback& loop, double rate);
-  // Returns how many were accepted.
-  std::uint64_t forge(Loopback& loop, double rate);
+  void forge(Loopback& loop, double rate);
+  // It made this one up.
+  bool made(std::span<const std::byte> datagram) const;
 
  private:
   struct Capture {
@@ -34,6 +37,7 @@ class Attacker {
   bool secure_;
   std::array<Capture, 256> kept_;
   std::uint64_t heard_ = 0;
+  std::unordered_set<std::string> made_;
 };
 
 // Says hello, lets go, presses, and moves about; hears what goes to the master's side.

@@ -9,9 +9,9 @@
 #include "master/record.hpp"
 #include "slave/record.hpp"
 #include "tests/loop/replay.hpp"
-#include "tests/loop/truth.hpp"
 #include "tests/sim/attacker.hpp"
 #include "tests/sim/keyed_channel.hpp"
+#include "tests/sim/tracking.hpp"
 #include "tests/sim/user.hpp"
 #include "tests/sim/watch.hpp"
 #include "tests/support/scene_edits.hpp"
@@ -24,13 +24,14 @@ constexpr Duration kTick = std::chrono::milliseconds(1);
 constexpr Duration kMostToReady = std::chrono::seconds(5);
 constexpr Duration kSettling = std::chrono::seconds(1);  // after engaging, until the lag counts
 
-// Of the tool behind the handle, at most [m]: the most of 150 episodes without faults
-// (--seeds 1:150 --fault-free), and a quarter on top for motions that were not among them.
-double most_lag(const std::string& scene) {
+// The most that 2000 episodes without faults had (--seeds 1:2000 --fault-free), and a quarter on
+// top.
+Tracking::Limits limits_of(const std::string& scene) {
   constexpr double kRoom = 1.25;
-  if (scene == "minimal") return 5.0e-3 * kRoom;         // no velocity feed-forward
-  if (scene == "twin_delta_far") return 8.6e-3 * kRoom;  // over 90 ms, on a spring
-  return 0.85e-3 * kRoom;
+  Tracking::Limits out{.tool = 1e-3 * kRoom};
+  if (scene == "minimal") out.tool = 3e-3 * kRoom;            // the weight is not compensated
+  if (scene == "twin_delta_far") out.command = 9e-3 * kRoom;  // on a spring
+  return out;
 }
 
 // Over the slow network each has its turn.
@@ -115,6 +116,7 @@ class Episode {
   Loopback loop_;
   Checkers checkers_;
   Watch watch_;
+  Tracking tracking_;
   User user_;
   Attacker attacker_;
   Random random_;
@@ -125,7 +127,6 @@ class Episode {
 
   Mode master_mode_ = Mode::disconnected, slave_shown_ = Mode::disconnected,
        slave_mode_ = Mode::disconnected;
-  Vec3 p_MH_ = Vec3::Zero();
   std::deque<std::string> events_;
   std::vector<const Fault*> active_;
   EpisodeResult result_;
@@ -137,6 +138,7 @@ Episode::Episode(const Plan& plan, const EpisodeOptions& options)
       loop_(scene_, options_of(plan)),
       checkers_(loop_),
       watch_(loop_, checkers_, link_config(scene_, 1).max_late),
+      tracking_(loop_, checkers_, limits_of(plan.scene)),
       user_(plan.seed ^ 0x75736572),
       attacker_(plan.seed ^ 0x6576696c, plan.secure),
       random_(plan.seed ^ 0x666c6970) {
@@ -156,6 +158,9 @@ Episode::Episode(const Plan& plan, const EpisodeOptions& options)
   loop_.on_sent = [this](Side to, auto d) {
     attacker_.overhear(to, d);
     if (second_master_ && to == Side::master) second_master_->hear(d, loop_.now());
+  };
+  loop_.on_received = [this](Side, auto d, bool accepted) {
+    watch_.received(attacker_.made(d), accepted);
   };
   loop_.on_reading = [this](HandleReading& r) { press(r); };
   loop_.on_robot = [this](RobotReading& r) {
@@ -273,10 +278,7 @@ void Episode::act() {
   if (plan_.secure) handshake(Side::slave);
   if (second_master_) second_master_->tick(loop_);
   if (const Fault* f = active(FaultKind::replay)) attacker_.replay(loop_, f->size);
-  const Fault* forging = active(FaultKind::forgery);
-  if (forging == nullptr) return;
-  const auto taken = attacker_.forge(loop_, forging->size);
-  checkers_.expect(taken == 0, "forged datagrams accepted", static_cast<double>(taken), 0);
+  if (const Fault* f = active(FaultKind::forgery)) attacker_.forge(loop_, f->size);
 }
 
 void Episode::handshake(Side side) {
@@ -308,7 +310,6 @@ void Episode::on(const MasterTick& tick) {
                      to_string(tick.reason)));
   master_mode_ = tick.mode;
   slave_shown_ = tick.slave_mode;
-  if (tick.reading.ok) p_MH_ = tick.handle.X_MH.p;
 }
 
 void Episode::on(const SlaveTick& tick) {
@@ -323,13 +324,7 @@ void Episode::on(const SlaveTick& tick) {
     result_.engagements += tick.mode == Mode::engaged && slave_mode_ != Mode::engaged;
   }
   slave_mode_ = tick.mode;
-  if (!user_.engaged || t() < *user_.engaged + kSettling || !tick.coupled) return;
-  const auto truth = std::visit([](const auto& r) { return r.truth(); }, *loop_.robot());
-  const bool free = truth.F_E_S.force.norm() <= kContactForce &&
-                    (tick.limits & (kLimitWorkspace | kLimitSpeed)) == 0;
-  if (!free) return;
-  const Vec3 wanted = wanted_tool(*loop_.slave(), true_handle(loop_.device(), p_MH_));
-  result_.lag.add((wanted - truth.X_SE.p).norm());
+  tracking_.check(tick, user_.engaged && t() >= *user_.engaged + kSettling);
 }
 
 void Episode::judge() {
@@ -340,13 +335,14 @@ void Episode::judge() {
   const bool on = master_mode_ == Mode::engaged && slave_mode_ == Mode::engaged;
   checkers_.expect(on, "not ENGAGED at the end", static_cast<double>(master_mode_),
                    static_cast<double>(slave_mode_));
-  checkers_.expect(result_.lag.peak <= most_lag(plan_.scene), "the tool lags behind the handle [m]",
-                   result_.lag.peak, most_lag(plan_.scene));
   result_.violations = checkers_.count();
   result_.first_violations = checkers_.first();
   result_.last_events.assign(events_.begin(), events_.end());
   result_.ready_after = ready;
   result_.oldest_command = watch_.oldest_command();
+  result_.lag = tracking_.lag();
+  result_.command = tracking_.command();
+  result_.tool = tracking_.tool();
   if (recorded_) recorded_->end();
 }
 

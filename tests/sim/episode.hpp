@@ -23,7 +23,8 @@ struct EpisodeResult {
   Duration oldest_command{};  // that the robot's command moved by
   std::uint64_t engaged = 0;  // ticks of the slave while faults were possible
   std::uint64_t engagements = 0;
-  Rms lag;  // [m] of the tool behind the handle in the quiet phase, free and within all limits
+  // Of the quiet phase, free and within all limits (tests/sim/tracking.hpp) [m].
+  Rms lag, command, tool;
 
   bool good() const noexcept { return violations == 0; }
 };

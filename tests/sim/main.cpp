@@ -56,7 +56,10 @@ std::vector<Run> runs_of(const Options& o) {
 struct Totals {
   std::uint64_t episodes = 0, failed = 0, engagements = 0, engaged = 0, tracked = 0;
   Duration latest_ready{}, oldest_command{};
-  std::map<std::string, double> lag;  // [m] peak, by scene
+  struct Peaks {
+    double lag = 0, command = 0, tool = 0;  // [m]
+  };
+  std::map<std::string, Peaks> peaks;  // by scene
 
   void add(const Plan& plan, const EpisodeResult& r) {
     ++episodes;
@@ -65,7 +68,10 @@ struct Totals {
     tracked += r.lag.count > 0;
     latest_ready = std::max(latest_ready, r.ready_after);
     oldest_command = std::max(oldest_command, r.oldest_command);
-    lag[plan.scene] = std::max(lag[plan.scene], r.lag.peak);
+    Peaks& p = peaks[plan.scene];
+    p.lag = std::max(p.lag, r.lag.peak);
+    p.command = std::max(p.command, r.command.peak);
+    p.tool = std::max(p.tool, r.tool.peak);
   }
   std::string text() const {
     std::string out = fmt::format(
@@ -75,8 +81,12 @@ struct Totals {
         "{:.0f} ms\n",
         episodes, failed, engagements, 1e-3 * static_cast<double>(engaged), seconds(latest_ready),
         tracked, 1e3 * seconds(oldest_command));
-    for (const auto& [scene, m] : lag)
-      out += fmt::format("  {:<20} at most {:6.3f} mm behind the handle\n", scene, m * 1e3);
+    for (const auto& [scene, p] : peaks)
+      out += fmt::format(
+          "  {:<20} tool at most {:6.3f} mm behind the handle, {:.3f} mm off where its servo "
+          "drives "
+          "it; command {:.3g} mm off what is asked for\n",
+          scene, p.lag * 1e3, p.tool * 1e3, p.command * 1e3);
     return out;
   }
 };

@@ -5,12 +5,22 @@
 
 namespace farhand {
 
+namespace {
+
+// What all guards of the hand's port may give out together before anything came in [J].
+double store_of(const CompensatedForceConfig& method) {
+  if (const auto* c = std::get_if<DampedCouplingConfig>(&method)) return c->guard.store;
+  if (const auto* c = std::get_if<MediatedCouplingConfig>(&method)) return c->tank.start;
+  if (const auto* c = std::get_if<ChosenCouplingConfig>(&method))
+    return c->mediated.tank.start + c->damped.guard.store;
+  return 0;
+}
+
+}  // namespace
+
 Watch::Watch(const Loopback& loop, Checkers& checkers, Duration max_late)
     : loop_(loop), checkers_(checkers), max_late_(max_late) {
-  const auto& method = loop.master().config().compensated;
-  if (!method) return;
-  if (const auto* damped = std::get_if<DampedCouplingConfig>(&*method))
-    store_ = damped->guard.store;
+  if (const auto& method = loop.master().config().compensated) store_ = store_of(*method);
 }
 
 void Watch::restarted(Side side, std::uint64_t session) {
@@ -138,6 +148,10 @@ void Watch::check_place(const SlaveTick& t) {
                    "the command is far from where the robot is [rad]", off, kAbout);
 }
 
+void Watch::received(bool forged, bool accepted) {
+  checkers_.expect(!forged || !accepted, "a forged datagram was accepted", 1, 0);
+}
+
 // Every engagement takes a press of its own, made since this process began.
 void Watch::check_press(const SlaveTick& t) {
   const auto* in = loop_.slave_end()->newest();
@@ -158,6 +172,7 @@ void Watch::check_press(const SlaveTick& t) {
 void Watch::check_age() {
   constexpr Duration kRelearn = std::chrono::seconds(1);
   const auto* in = loop_.slave_end()->newest();
+  if (in == nullptr) return;
   const Sent& sent = sent_[in->sequence % sent_.size()];
   if (sent.session != masters_session_ || sent.sequence != in->sequence) return;
   const TimePoint now = loop_.now();

@@ -19,6 +19,7 @@ class Watch {
   void sampling();  // just before the master's sample decides its state
   void check(const MasterTick& tick);
   void check(const SlaveTick& tick);
+  void received(bool forged, bool accepted);
   void restarted(Side side, std::uint64_t session);
   void clock_stepped() { clock_stepped_ = loop_.now(); }
 

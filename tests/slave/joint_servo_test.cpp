@@ -30,6 +30,14 @@ TEST(JointServo, PushesTowardsTheCommandInProportion) {
     EXPECT_NEAR(tau[i], JointServoConfig{}.inertia[i] * w * w * 0.001, 1e-12);
 }
 
+TEST(JointServo, TellsWhenAJointsLargestSpeedHoldsItBack) {
+  JointServo servo({}, {}, kSpeed, 0.001);
+  for (const auto& [ahead, held_back] : {std::pair(0.001, false), {1., true}, {0.001, false}}) {
+    for (int k = 0; k < 50; ++k) servo.step(kTeleopHome + Vec6::Constant(ahead), kTeleopHome);
+    EXPECT_EQ(servo.held_back(), held_back) << ahead;
+  }
+}
+
 TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
   JointServo servo({.integral_per_s = 0, .velocity_feedforward = VelocityFeedforwardConfig{}}, {},
                    kSpeed, 0.001);

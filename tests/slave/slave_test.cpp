@@ -4,6 +4,8 @@
 
 #include <limits>
 
+#include "slave/sim_arm.hpp"
+
 namespace farhand {
 namespace {
 
@@ -373,6 +375,33 @@ TEST(Slave, JointSpeedsAreLimitedWhateverTheHandleDoes) {
     const SlaveTick& t = rig.tick();
     EXPECT_LE((t.q_cmd - last).cwiseAbs().cwiseQuotient(step).maxCoeff(), 1 + 1e-9);
     last = t.q_cmd;
+  }
+}
+
+// Turned towards its limit by far more than that, at any speed up to its largest.
+TEST(Slave, AJointComesToRestAtItsLimitWithoutRunningBeyond) {
+  for (const double rate : {0.5, 2., 6., 20.}) {
+    SlaveConfig config = Rig::default_config();
+    config.servo.velocity_feedforward.emplace();
+    config.servo.friction_compensation.emplace();
+    Rig rig(config);
+    SimArm arm({.model = config.model, .q = kTeleopHome});
+    double beyond = -1;
+    for (int k = 0; k < 6000; ++k) {
+      rig.robot = arm.read(rig.now);
+      if (k == 2) rig.press();
+      const double turned = std::min(rate * 1e-3 * std::max(k - 2, 0), 2.5);
+      rig.message.q_MH = Quat(Eigen::AngleAxisd(turned, Vec3::UnitY()));
+      rig.now += milliseconds(1);
+      const SlaveTick& t = rig.slave.tick(
+          rig.now, {.newest = &rig.message, .connected = true, .age = {}, .synced = true},
+          rig.robot);
+      arm.write(rig.now, t.tau);
+      beyond = std::max({beyond, (arm.truth().q - config.joints.upper).maxCoeff(),
+                         (config.joints.lower - arm.truth().q).maxCoeff()});
+    }
+    EXPECT_LT(beyond, 0.001) << rate;
+    EXPECT_GT(beyond, -0.05) << rate;  // it does get there
   }
 }
 
