@@ -184,10 +184,11 @@ std::vector<std::string> slave_stages(const proto::Scene& scene) {
                               scene.bilateral().force_position().virtual_mass_kg()));
   if (scene.has_compensation()) out.push_back(compensated_target_stage(scene));
   const proto::Workspace& w = s.workspace();
-  out.push_back(fmt::format(
-      "workspace       handle pose to tool target, scale {:g}{}{}", w.scale(),
-      w.rotation_lock() ? ", orientation kept" : "",
-      w.has_alignment_deg() ? fmt::format(", coupled within {:g} deg", w.alignment_deg()) : ""));
+  out.push_back(fmt::format("workspace       handle pose to tool target, scale {:g}{}{}", w.scale(),
+                            w.rotation_lock() ? ", orientation kept" : "",
+                            w.has_alignment_deg()
+                                ? fmt::format(", coupled again within {:g} deg", w.alignment_deg())
+                                : ""));
   out.push_back(fmt::format("robot           read sim_arm ({:g} Hz Runge-Kutta, surfaces: {})",
                             s.sim_arm().rate_hz(), s.sim_arm().surface_size()));
   out.push_back("arm             forward and nearest inverse kinematics");

@@ -70,6 +70,7 @@ Scene fast_scene() {
   Scene scene = load_scene(FARHAND_SOURCE_DIR "/deploy/scenes/full.textproto");
   scene.proto.set_rate_hz(4000);
   scene.proto.mutable_slave()->mutable_sim_arm()->set_rate_hz(4000);
+  scene.proto.mutable_slave()->mutable_workspace()->set_alignment_deg(90);  // the clutch goes on
   return scene;
 }
 
