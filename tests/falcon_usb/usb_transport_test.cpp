@@ -18,7 +18,7 @@ struct Usb {
       : bus(config), transport(serial), driver(driver_config) {}
 
   void step() {
-    const TimePoint now = bus.advance(100us);
+    const TimePoint now = bus.advance(200us);
     transport.wait(Duration::zero(), now);
     driver.write(now, Vec6::Zero());
     pump(transport, driver, now);
@@ -26,7 +26,7 @@ struct Usb {
   // In at most so many seconds of the bus' time.
   template <typename Condition>
   bool until(Condition&& condition, int at_most_s = 10) {
-    for (int i = 0; i < at_most_s * 10000 && !condition(); ++i) step();
+    for (int i = 0; i < at_most_s * 5000 && !condition(); ++i) step();
     return condition();
   }
   bool until(Phase phase) {
