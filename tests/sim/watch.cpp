@@ -70,14 +70,17 @@ Duration silence(const Link& link, TimePoint now) {
 }  // namespace
 
 void Watch::sampling() {
-  silent_ = silence(loop_.master_end(), loop_.clock(Side::master).local(loop_.now()));
+  const MasterLink& link = loop_.master_end();
+  silent_ = silence(link, loop_.clock(Side::master).local(loop_.now()));
+  // The slave moves by it before the master's tick has ended.
+  const std::uint64_t next = link.sequence() + 1;
+  sent_[next % sent_.size()] = {master_session_, next, loop_.now()};
 }
 
 void Watch::check(const MasterTick& t) {
   const MasterLink& link = loop_.master_end();
   check_link(link, slaves_session_, slaves_sequence_);
   const TimePoint sampled = loop_.clock(Side::master).truth(t.now);
-  sent_[link.sequence() % sent_.size()] = {master_session_, link.sequence(), sampled};
   checkers_.expect(valid(t.out), "a message of the master that cannot be sent", NAN, 0);
 
   if (t.reading.dead_man && !dead_man_) {
