@@ -10,12 +10,12 @@
 namespace farhand {
 namespace {
 
-DtlsConnection& connection(BIO* bio) noexcept {
+DtlsConnection& end_of(BIO* bio) noexcept {
   return *static_cast<DtlsConnection*>(BIO_get_data(bio));
 }
 
 int read_datagram(BIO* bio, char* to, int room) noexcept {
-  DtlsConnection& c = connection(bio);
+  DtlsConnection& c = end_of(bio);
   BIO_clear_retry_flags(bio);
   if (c.in.empty()) {
     BIO_set_retry_read(bio);
@@ -28,7 +28,7 @@ int read_datagram(BIO* bio, char* to, int room) noexcept {
 }
 
 int write_datagram(BIO* bio, const char* from, int size) noexcept {
-  DtlsConnection& c = connection(bio);
+  DtlsConnection& c = end_of(bio);
   BIO_clear_retry_flags(bio);
   const auto bytes = static_cast<std::size_t>(size);
   if (size <= 0 || bytes > kMaxDatagramBytes || c.written == c.out.size()) return size;
@@ -40,7 +40,7 @@ int write_datagram(BIO* bio, const char* from, int size) noexcept {
 long control(BIO* bio, int command, long number, void*) noexcept {
   if (command == BIO_CTRL_FLUSH) return 1;
   if (command == BIO_CTRL_DGRAM_SET_PEEK_MODE) {
-    connection(bio).peeking = number != 0;
+    end_of(bio).peeking = number != 0;
     return 1;
   }
   return 0;

@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = 16384;
 
-struct Descriptor {
-  explicit Descriptor(int descriptor) : fd(descriptor) {}
-  ~Descriptor() {
+struct OpenFile {
+  explicit OpenFile(int descriptor) : fd(descriptor) {}
+  ~OpenFile() {
     if (fd >= 0) close(fd);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
   int fd;
 };
 
@@ -34,7 +34,7 @@ void refuse(const SecretFile& file, const std::string& what, const std::string& 
 }
 
 std::string read_secret(const SecretFile& file, const SecretFileRules& rules) {
-  const Descriptor from(::open(file.path.c_str(), O_RDONLY | O_CLOEXEC));
+  const OpenFile from(::open(file.path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat status {};
   if (from.fd < 0 || fstat(from.fd, &status) != 0)
     refuse(file, with_reason("cannot be opened"), rules.missing_remedy);
@@ -47,7 +47,7 @@ std::string read_secret(const SecretFile& file, const SecretFileRules& rules) {
 }
 
 void write_new_secret(const SecretFile& file, const std::string& text, mode_t mode) {
-  const Descriptor to(::open(file.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+  const OpenFile to(::open(file.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   if (to.fd < 0 && errno == EEXIST)
     refuse(file, "exists", "name a new one; what is in use is never overwritten");
   if (to.fd < 0)

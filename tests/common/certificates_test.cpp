@@ -120,9 +120,19 @@ TEST(Certificates, SaysWhichIsMissing) {
   EXPECT_TRUE(says(said, "farhand-keygen --certificates")) << said;
 }
 
-// openssl pkey -aes256 and openssl genpkey -algorithm ed25519 make such files.
+// Both made by openssl: genpkey -algorithm ed25519, and pkcs8 -topk8 of one over P-256. Nobody is
+// asked for the passphrase.
 TEST(Certificates, APrivateKeyOfAnotherKindIsRefused) {
   Side side("clientAuth");
+  side.key =
+      "-----BEGIN ENCRYPTED PRIVATE KEY-----\n"
+      "MIHsMFcGCSqGSIb3DQEFDTBKMCkGCSqGSIb3DQEFDDAcBAj9ClltZKXArgICA+gw\n"
+      "DAYIKoZIhvcNAgkFADAdBglghkgBZQMEASoEECgh3KPNlMooRzjBdiCi8sEEgZB4\n"
+      "fTxL6Z/ysLvLBC/oaIto5ELr+V7VrsKeWOLgHUjsnwkSPMi7Yl6qW2uHRWlexLRV\n"
+      "eVkNao/Jx4iyTU4NDEJ7hoV8uV+GW3YDGdNRYBe99xsRXgqvuA6Sx1OX8ZRTdVZm\n"
+      "SvuKBmAjleiogRV9EdgSIbz5tubseddLQTjBipVrQexOY4fSVH0ct4GE1TcKH6g=\n"
+      "-----END ENCRYPTED PRIVATE KEY-----\n";
+  EXPECT_TRUE(says(side.why_not(), "without a passphrase"));
   side.key =
       "-----BEGIN PRIVATE KEY-----\n"
       "MC4CAQAwBQYDK2VwBCIEIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f\n"
