@@ -118,9 +118,9 @@ TEST(Interrupted, ByTheClutch) {
 TEST(Interrupted, ByACut) {
   for (const Case& c : kCases)
     expect_calm(c, "cut of 300 ms", run(c, true, [](Loopback& loop, Checkers&) {
-                  loop.cut(true);
+                  loop.cut(true, true);
                   loop.run_until(loop.now() + std::chrono::milliseconds(300));
-                  loop.cut(false);
+                  loop.cut(false, false);
                 }));
 }
 

@@ -24,18 +24,21 @@ tell_times() {
     END { tell() }'
 }
 if ((${3:-1} > 1)); then
-  logs="$(mktemp -d)" runs=()
-  trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$logs"' EXIT
+  logs="$(mktemp -d)" runs=() failed=0
+  trap 'kill $(jobs -p) 2>/dev/null || true; wait; rm -rf "$logs"' EXIT
   for ((i = 0; i < $3; ++i)); do
     "$0" "$1" "${2:-1}" >"$logs/$i" 2>&1 &
     runs+=($!)
   done
   for ((i = 0; i < $3; ++i)); do
-    wait "${runs[i]}" || { cat "$logs/$i"; exit 1; }
-    ! grep '^skipped: ' "$logs/$i" || exit 0
+    wait "${runs[i]}" || { cat "$logs/$i" && failed=1; }
   done
+  ((failed == 0)) || exit 1
+  if (($(grep -l '^skipped: ' "$logs"/* | wc -l) == $3)); then exec cat "$logs/0"; fi
   sed -n 's/^ok: \(.*\) (ready after \([0-9]*\) ms)$/\2 \1/p' "$logs"/* | tell_times
-  echo "$(cat "$logs"/* | grep -c '^ok: ') passed, 0 failed"
+  passed="$(cat "$logs"/* | grep -c '^ok: ')" each="$(grep -c '^ok: ' "$logs/0")"
+  echo "$passed passed, 0 failed"
+  ((passed > 0 && passed == $3 * each)) || { echo "FAILED: not every run had its $each cases"; exit 1; }
   exit 0
 fi
 
