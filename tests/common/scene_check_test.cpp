@@ -116,6 +116,7 @@ TEST(SceneSchema, EveryNumberHasARangeAUnitAndALegalDefault) {
   // Pure numbers.
   const std::set<std::string> kUnitless = {"gear_ratio",
                                            "normal",
+                                           "normal_in_slave",
                                            "towards",
                                            "direction",
                                            "wrist_margin",
@@ -126,6 +127,7 @@ TEST(SceneSchema, EveryNumberHasARangeAUnitAndALegalDefault) {
                                            "rotation_scale",
                                            "damping_ratio",
                                            "share",
+                                           "model_share",
                                            "gravity_share",
                                            "damping_share",
                                            "friction_share",
@@ -141,8 +143,9 @@ TEST(SceneSchema, EveryNumberHasARangeAUnitAndALegalDefault) {
                                            "duplicate_ratio",
                                            "reorder_ratio",
                                            "corrupt_ratio"};
-  // Left out, another field's value holds.
-  const std::set<std::string> kInherits = {"farhand.proto.ForceGains.cutoff_hz"};
+  // Left out, another field's value holds, or nothing is asked for.
+  const std::set<std::string> kInherits = {"farhand.proto.ForceGains.cutoff_hz",
+                                           "farhand.proto.Workspace.alignment_deg"};
   for (const Chain& chain : numbers()) {
     const FieldDescriptor& field = *chain.back();
     const SceneRange range = range_of(field);
