@@ -64,6 +64,20 @@ TEST(FalconDriver, SaysWhyItCannotBeOpened) {
   }
 }
 
+TEST(FalconDriver, SaysWhenTheChipTakesNoRequests) {
+  Driver driver({});
+  driver.hear({.kind = EventKind::attached}, kStart);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(driver.status().phase, Phase::setting_up);
+    EXPECT_TRUE(driver.next(kStart));
+    EXPECT_FALSE(driver.next(kStart));  // one at a time
+    driver.hear({.kind = EventKind::failed}, kStart);
+  }
+  EXPECT_EQ(driver.status().phase, Phase::failed);
+  EXPECT_EQ(driver.status().trouble, Trouble::request_failed);
+  EXPECT_FALSE(driver.next(kStart));
+}
+
 TEST(FalconDriver, NoTorqueLeavesBeforeHomingNorBeforeTheGesture) {
   Rig rig;
   rig.grip.swings = false;
