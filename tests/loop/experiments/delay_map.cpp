@@ -1,5 +1,5 @@
-// A wall pressed over networks of growing delay, by every compensation that a scene can name: what
-// is felt of it, and what moving freely costs.
+// A wall pressed over networks of growing delay, by the compensations that know no more of the world
+// than they find out: what is felt of it, and what moving freely costs.
 #include <spdlog/fmt/fmt.h>
 
 #include <array>
@@ -30,6 +30,7 @@ constexpr std::array kCompensations = {
                   d.set_stiffness_newton_per_m(1500);
                   d.set_max_damping_newton_s_per_m(400);
                 }},
+    Compensated{"wave", [](proto::Compensation& c) { c.mutable_wave(); }},
     Compensated{"mmt", [](proto::Compensation& c) { c.mutable_mmt(); }},
     Compensated{"auto", [](proto::Compensation& c) { c.mutable_auto_(); }}};
 static_assert(kCompensations.size() <= kLineStyles);
