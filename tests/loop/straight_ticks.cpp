@@ -1,6 +1,7 @@
 #include "tests/loop/straight_ticks.hpp"
 
 #include <algorithm>
+#include <numbers>
 
 namespace farhand {
 
@@ -73,6 +74,7 @@ StraightSlave<kRecorded>::StraightSlave(const SlaveConfig& config)
     max_drive[i] = gains.kd * 0.95 * joints.speed[i];
   }
   drive_step = max_drive * (config.Ts / 0.05);
+  braking = 2 * std::numbers::pi * config.servo.bandwidth_hz / 3 * config.Ts;
   tau_step = tau_max * (config.Ts / config.torque_rise_time_s);
 }
 
@@ -134,12 +136,16 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   }
 
   const Vec6 move = q_target - q_cmd;
-  const Vec6 allowed = move.cwiseMax(-q_step).cwiseMin(q_step);
+  const Vec6 up = (braking * (joints.upper - q_cmd)).cwiseMax(1e-6).cwiseMin(q_step);
+  const Vec6 down = (braking * (joints.lower - q_cmd)).cwiseMin(-1e-6).cwiseMax(-q_step);
+  const Vec6 allowed = move.cwiseMax(down).cwiseMin(up);
   if (allowed != move) limits |= kLimitSpeed;
   q_cmd = allowed == move ? q_target : Vec6(q_cmd + allowed);
   Vec6 wanted;
+  bool held_back = false;
   for (int i = 0; i < 6; ++i) {
     const double wish = pid[i].kp * (q_cmd[i] - robot.q[i]), step_i = drive_step[i];
+    held_back |= std::abs(wish) > max_drive[i];
     drive[i] = std::clamp(wish, std::max(drive[i] - step_i, -max_drive[i]),
                           std::min(drive[i] + step_i, max_drive[i]));
     const double I = state[i].I, I_lost = state[i].I_lost;
@@ -148,6 +154,7 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   }
   if (std::any_of(state.begin(), state.end(), [](const PidState& s) { return s.saturated; }))
     limits |= kLimitSaturated;
+  if (held_back) limits |= kLimitSpeed;
   record.tau = limit_joint_torques(tau_max, tau_step, wanted, record.tau, limits);
 
   out.p_SE = at.X_SE.p;

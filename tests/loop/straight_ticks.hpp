@@ -37,6 +37,7 @@ struct StraightSlave {
   WorkspaceConfig workspace;
   Duration stale;
   Vec6 q_step, tau_max, tau_step, max_drive, drive_step;
+  double braking;
   Vec6 drive = Vec6::Zero();
   std::array<Pid, 6> pid;
   std::array<PidState, 6> state{};
