@@ -11,6 +11,11 @@
 // over; what comes out is taken from it first. Without it the to and fro of a hand that holds, and
 // the noise of encoders under force, is told as `in` for the peer to give out, and must come out
 // here at the store's expense: a hand that pressed for some seconds had spent it.
+//
+// A surplus goes back: of what a side has beyond 2 E0 nine tenths are told to the peer as `in`, the
+// rest is forgotten, so that no hours of drag pay for a shove and nothing goes to and fro for ever.
+// Without it the peer of a robot that lags pays for every withdrawal from a wall, and never gets
+// anything back.
 #pragma once
 
 #include <algorithm>
@@ -32,6 +37,9 @@ class EnergyBudget {
     in_ += std::max(pool_ - kept, 0.0);
     out_ += std::max(kept - pool_, 0.0);
     pool_ = kept;
+    const double surplus = std::max(left() - 2 * store_, 0.0);
+    credit_ -= surplus;
+    in_ += kReturned * surplus;
   }
   // Work [J] the guard took from the user or the robot by itself.
   void repay(double work) noexcept { credit_ += work; }
@@ -50,6 +58,7 @@ class EnergyBudget {
   }
 
  private:
+  static constexpr double kReturned = 0.9;
   static constexpr double kPoolShare = 0.5;  // of E0, so that the peer can begin on its own E0
 
   double store_;

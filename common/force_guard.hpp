@@ -34,10 +34,10 @@ class ForceGuard {
   explicit ForceGuard(const ForceGuardConfig& config) noexcept
       : config_(config), budget_(config.store - config.reserve) {}
 
-  // F_wanted resists: handle on coupling, or mass on coupling. x: where the handle or mass is, by
-  // which the last force did its work. Returns the force to give in place of F_wanted. All of the
-  // port's force must pass here, dampers included.
-  Vec3 step(const Vec3& F_wanted, const Vec3& x) noexcept;
+  // F_wished resists: handle on coupling, or mass on coupling. x: where the handle or mass is, by
+  // which the last force did its work. Returns the force to give in place of F_wished. All of the
+  // port's force must pass here, dampers included. One that is not finite is none.
+  Vec3 step(const Vec3& F_wished, const Vec3& x) noexcept;
   // Not driven by us since the last step: no work is counted, and the next step starts anew.
   void let_go() noexcept {
     F_ = added_ = Vec3::Zero();

@@ -52,6 +52,31 @@ void add_compensation_rules(SceneRules& r) {
       r, "", [](const Scene& s, const C& c) { return !c.has_damped() && s.slave().has_boundary(); },
       "lets the hand feel the wall that is touched, not the robot's boundary",
       "remove the slave's boundary, or use damped {}");
+  rule<C>(
+      r, "",
+      [](const Scene& s, const C& c) {
+        return (c.has_wave() || c.has_smith()) && s.rate_hz() > 1000;
+      },
+      "keeps what is under way for so many ticks, too short above 1000 Hz",
+      "lower rate_hz to 1000, or use another method");
+  rule<proto::WaveCompensation>(
+      r, "virtual_mass_kg",
+      [](const Scene& s, const proto::WaveCompensation& w) {
+        const double b = w.impedance_newton_s_per_m();
+        const double spring = w.servo_stiffness_newton_per_m() / s.rate_hz();  // over a tick
+        return b * (spring + b) / (2 * b + spring) > w.virtual_mass_kg() * s.rate_hz();
+      },
+      "is too light for the impedance at this rate_hz", "raise it, or lower the impedance");
+  rule<proto::SmithCompensation>(
+      r, "robot_mass_kg",
+      [](const Scene& s, const proto::SmithCompensation& m) {
+        const double rate = 4 * s.rate_hz();  // the model's own steps
+        const auto& wall = m.wall();
+        const double k = m.servo_stiffness_newton_per_m() + wall.stiffness_newton_per_m();
+        const double d = m.servo_damping_newton_s_per_m() + wall.damping_newton_s_per_m();
+        return 2 * d / rate + k / (rate * rate) > 2 * m.robot_mass_kg();
+      },
+      "is too light for the model's stiffness and damping", "raise it, or soften the model");
   rule<proto::RegisteredWall>(
       r, "normal_in_slave",
       [](const proto::RegisteredWall& w) { return norm(w.normal_in_slave()) < 1e-6; },
@@ -88,9 +113,10 @@ void add_deadband_rules(SceneRules& r) {
       r, "keep_alive_ms",
       [](const Scene& s, const D& d) {
         return s.master().has_force_feedback() &&
-               d.keep_alive_ms() > s.master().force_feedback().hold_ms();
+               2 * d.keep_alive_ms() > s.master().force_feedback().hold_ms();
       },
-      "is more than force_feedback.hold_ms, so a steady force would fade",
+      "is more than half of force_feedback.hold_ms, so one lost answer would let a steady force "
+      "fade",
       "lower it, or raise hold_ms");
 }
 

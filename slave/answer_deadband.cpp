@@ -9,11 +9,21 @@ bool AnswerDeadband::due(const SlaveToMaster& out, bool force_wanted, TimePoint 
                       .dead_man_presses = out.dead_man_presses_seen,
                       .clutch_presses = out.clutch_presses_seen};
   const Wrench felt = force_wanted ? out.F_E_M : Wrench{};
-  if (events == told_ && !force_.due(felt.force, now) && !torque_.due(felt.torque, now))
-    return false;
+  const bool alive = now - sent_at_ < keep_alive_;
+  const bool news =
+      events != told_ || (alive && (force_.due(felt.force, now) || torque_.due(felt.torque, now)));
+  if (!news && alive && !repeats(now)) return false;
+  if (news) news_at_ = now, repeated_ = 0;
+  sent_at_ = now;
   told_ = events;
   force_.sent(felt.force, now);
   torque_.sent(felt.torque, now);
+  return true;
+}
+
+bool AnswerDeadband::repeats(TimePoint now) noexcept {
+  if (repeated_ == kRepeats.size() || now - news_at_ < kRepeats[repeated_]) return false;
+  ++repeated_;
   return true;
 }
 

@@ -1,8 +1,12 @@
 // Which answers the slave leaves out: those that tell nothing new (common/deadband.hpp). New is a
 // force or torque off by more than what is felt, if the master has a use for them, and any change
 // of what the master acts by otherwise: mode, reason, coupling, presses seen. The robot's
-// pose and the limits that act are not: nobody acts by them.
+// pose and the limits that act are not: nobody acts by them. An answer with news is said again 2,
+// 5 and 10 ms later, for the first may be lost.
 #pragma once
+
+#include <array>
+#include <cstddef>
 
 #include "common/deadband.hpp"
 #include "common/wire.hpp"
@@ -17,7 +21,7 @@ struct AnswerDeadbandConfig {
 class AnswerDeadband {
  public:
   explicit AnswerDeadband(const AnswerDeadbandConfig& config) noexcept
-      : force_(config.force), torque_(config.torque) {}
+      : force_(config.force), torque_(config.torque), keep_alive_(config.force.keep_alive) {}
 
   // Once per tick. If so the answer must be sent: it is what later ones are compared with.
   bool due(const SlaveToMaster& out, bool force_wanted, TimePoint now) noexcept;
@@ -31,8 +35,17 @@ class AnswerDeadband {
     bool operator==(const Events&) const = default;
   };
 
+  bool repeats(TimePoint now) noexcept;
+
+  static constexpr std::array<Duration, 3> kRepeats = {
+      std::chrono::milliseconds(2), std::chrono::milliseconds(5), std::chrono::milliseconds(10)};
+
   Deadband force_, torque_;
+  Duration keep_alive_;
   Events told_;
+  TimePoint sent_at_{};
+  TimePoint news_at_{};
+  std::size_t repeated_ = kRepeats.size();
 };
 
 }  // namespace farhand

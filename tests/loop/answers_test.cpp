@@ -11,7 +11,7 @@ namespace {
 Scene sparse(double keep_alive_ms) {
   Scene scene = pressing_over(2, 500);
   scene.proto.clear_compensation();
-  scene.proto.mutable_master()->mutable_force_feedback()->set_hold_ms(50);
+  scene.proto.mutable_master()->mutable_force_feedback()->set_hold_ms(100);
   scene.proto.mutable_link()->set_stale_ms(200);
   proto::Motion& m = *hand(scene).mutable_motion();
   for (int i = 0; i < 5; ++i) {
@@ -85,7 +85,7 @@ TEST(Answers, TheWallIsFeltTheSameWithoutThem) {
     Scene scene = pressing_over(2, 500);
     scene.proto.mutable_compensation()->mutable_direct();
     if (sparsely) {
-      scene.proto.mutable_master()->mutable_force_feedback()->set_hold_ms(50);
+      scene.proto.mutable_master()->mutable_force_feedback()->set_hold_ms(100);
       proto::ForceDeadband& d = *scene.proto.mutable_link()->mutable_deadband();
       d.set_keep_alive_ms(50);
       d.set_floor_newton(0.25), d.set_floor_newton_meter(0.01);
