@@ -15,6 +15,9 @@ double braking_rate(const JointServoConfig& servo) noexcept {
   return 2 * std::numbers::pi * servo.bandwidth_hz / 3;
 }
 
+// What it may move by however near the limit is: an exponential alone never arrives [rad per tick].
+constexpr double kLastStep = 1e-6;
+
 }  // namespace
 
 Wrench boundary_wrench(const WorkspaceConfig& workspace, const SlaveTick& tick) noexcept {
@@ -218,9 +221,10 @@ void Slave::reach() noexcept {
 // finite, clamp, slew.
 void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept {
   const Vec6 move = q_target_ - tick_.q_cmd;
-  const Vec6 up = (braking_ * (config_.joints.upper - tick_.q_cmd)).cwiseMax(0).cwiseMin(q_step_);
+  const Vec6 up =
+      (braking_ * (config_.joints.upper - tick_.q_cmd)).cwiseMax(kLastStep).cwiseMin(q_step_);
   const Vec6 down =
-      (braking_ * (config_.joints.lower - tick_.q_cmd)).cwiseMin(0).cwiseMax(-q_step_);
+      (braking_ * (config_.joints.lower - tick_.q_cmd)).cwiseMin(-kLastStep).cwiseMax(-q_step_);
   const Vec6 allowed = move.cwiseMax(down).cwiseMin(up);
   if (allowed != move) tick_.limits |= kLimitSpeed;
   tick_.q_cmd = allowed == move ? q_target_ : Vec6(tick_.q_cmd + allowed);
