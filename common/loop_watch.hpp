@@ -22,7 +22,7 @@ class LoopWatch {
     add(tick.mode, tick.reason, tick.turn_M, timing, link);
     const bool turning = must_be_turned(tick.mode, tick.reason, tick.aligned);
     if (line_.due(tick.now, turning))
-      line_.show(turning ? turning_line(tick.mode, tick.turn_M) : make());
+      line_.show(turning ? turning_line(tick.mode, tick.reason, tick.turn_M) : make());
   }
   const LoopReport& report() const noexcept { return report_; }
   // The last rows of the final table.

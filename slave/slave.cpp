@@ -99,10 +99,20 @@ void Slave::find_again() noexcept {
   servo_.reset();
 }
 
+namespace {
+
+// Its operator, who holds nothing, is told to turn the handle.
+bool asks_turn(const MasterToSlave& in) noexcept {
+  return in.reason == Reason::turn_handle && !in.dead_man;
+}
+
+}  // namespace
+
 void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept {
   const MasterToSlave* in = master.newest;
   const bool clutched = in != nullptr && in->clutch_presses > clutch_presses_;
   clutch_presses_ = in != nullptr ? in->clutch_presses : kNoPressIsNew;
+  if (clutched && turn_asked_ && asks_turn(*in)) forget_orientation(workspace_);
   state_ = next_mode(
       state_,
       {.equipment = tick_.robot.ok ? Equipment::ok
@@ -119,6 +129,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
       tick_.now);
   tick_.mode = state_.mode;
   tick_.reason = state_.reason;
+  turn_asked_ = in != nullptr && asks_turn(*in) && tick_.reason == Reason::turn_handle;
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
@@ -134,7 +145,7 @@ void Slave::move_target(const Peer<MasterToSlave>& master) noexcept {
   if (!started_) {
     started_ = found_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
-    workspace_.R_HE_first.reset();
+    forget_orientation(workspace_);
     uncouple(workspace_, tick_.X_SE);
     tick_.X_SE_target = tick_.X_SE;
   }

@@ -297,6 +297,70 @@ TEST(Slave, AMasterThatIsStartedAgainMustTurnTheHandleAndARobotFoundElsewhereNee
   EXPECT_TRUE(rig.tick().coupled);
 }
 
+// Uncoupled, its handle turned away, and the master says so.
+void wait_for_turn(Rig& rig) {
+  rig.engage();
+  rig.release();
+  rig.message.q_MH = turned(0.5);
+  rig.tick();
+  rig.message.mode = Mode::aligning;
+  rig.message.reason = Reason::turn_handle;
+  EXPECT_EQ(rig.tick().reason, Reason::turn_handle);
+}
+
+TEST(Slave, APressOfTheClutchTakesTheHandleAsItIs) {
+  Rig rig(aligning());
+  wait_for_turn(rig);
+  const Vec6 q = rig.tick().q_cmd;
+  ++rig.message.clutch_presses;
+  rig.message.clutch = true;
+  EXPECT_FALSE(rig.tick().out.has_robot);
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+  rig.message.clutch = false;
+  rig.message.reason = Reason::none;
+  rig.engage();
+  EXPECT_TRUE(rig.tick().coupled);
+  EXPECT_LT((rig.tick(20).q_cmd - q).norm(), 1e-12);
+  rig.release();
+  EXPECT_EQ(rig.tick(2).mode, Mode::ready);  // this orientation is the tool's now
+  rig.message.q_MH = turned(0);
+  EXPECT_EQ(rig.tick().reason, Reason::turn_handle);
+}
+
+TEST(Slave, APressMeantForSomethingElseDoesNotTakeTheHandle) {
+  const auto still_waits = [](Rig& rig) {
+    ++rig.message.clutch_presses;
+    EXPECT_TRUE(rig.tick().out.has_robot);
+    EXPECT_EQ(rig.tick(5).reason, Reason::turn_handle);
+  };
+  Rig held(aligning());
+  wait_for_turn(held);
+  held.message.dead_man = true;
+  still_waits(held);
+  held.message.dead_man = false;  // pressed under the dead-man, which was let go in a lost message
+  still_waits(held);
+
+  Rig unaware(aligning());  // of a master that did not say so yet
+  wait_for_turn(unaware);
+  unaware.message.reason = Reason::none;
+  still_waits(unaware);
+  unaware.message.reason = Reason::turn_handle;  // pressed before, in a lost message
+  still_waits(unaware);
+
+  Rig early(aligning());  // with the first turned away
+  wait_for_turn(early);
+  early.message.q_MH = turned(0);
+  EXPECT_EQ(early.tick().mode, Mode::ready);
+  early.message.q_MH = turned(0.5);
+  still_waits(early);
+
+  Rig another(aligning());  // of a master that was not heard before
+  wait_for_turn(another);
+  another.slave.tick(another.now += milliseconds(1), {}, another.robot);
+  another.message.clutch_presses = 7;
+  still_waits(another);
+}
+
 TEST(Slave, WithoutAlignmentAnyHandleIsCoupledAndAnUncoupledRobotNotTold) {
   SlaveConfig config = Rig::default_config();
   config.sends_robot = true;
