@@ -156,7 +156,7 @@ constexpr void go_on(ModeState& s, const ModeInputs& in) noexcept {
     return change(s, in.dead_man ? Mode::engaged : Mode::ready);
   }
   if (why == Reason::none && !in.dead_man) return change(s, Mode::ready);
-  if (why != Reason::none) s.reason = why;
+  s.reason = why == Reason::none ? Reason::dead_man_held : why;
 }
 
 }  // namespace detail

@@ -33,11 +33,14 @@ std::string turn_sentence(const Vec3& turn_M) {
 }
 
 std::string sentence(Reason reason, const Vec3& turn_M) {
-  return reason == Reason::turn_handle ? turn_sentence(turn_M) : to_string(reason);
+  if (reason != Reason::turn_handle) return to_string(reason);
+  return turn_sentence(turn_M) + ", or press the clutch, dead-man released, to take it as it is";
 }
 
-std::string turning_line(Mode mode, const Vec3& turn_M) {
-  return fmt::format("{}: {}", to_string(mode), turn_sentence(turn_M));
+std::string turning_line(Mode mode, Reason reason, const Vec3& turn_M) {
+  return fmt::format(
+      "{}: {}", to_string(mode),
+      reason == Reason::turn_handle ? sentence(reason, turn_M) : turn_sentence(turn_M));
 }
 
 }  // namespace farhand

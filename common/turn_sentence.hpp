@@ -19,10 +19,11 @@ constexpr bool must_be_turned(Mode mode, Reason reason, bool aligned) noexcept {
   return reason == Reason::turn_handle || (mode == Mode::engaged && !aligned);
 }
 
-// Of a reason, with that in its place if it is turn_handle. Empty for none.
+// Of a reason, with that in its place if it is turn_handle, and what else may be done. Empty for
+// none.
 std::string sentence(Reason reason, const Vec3& turn_M);
 
 // The live line while it must be turned.
-std::string turning_line(Mode mode, const Vec3& turn_M);
+std::string turning_line(Mode mode, Reason reason, const Vec3& turn_M);
 
 }  // namespace farhand

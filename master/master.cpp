@@ -83,10 +83,13 @@ void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
 }
 
 // Once engaged it is judged when the clutch is let go; else the slave, which knows what is coupled
-// by now, has the word.
+// by now, has the word. So it has until its answer knows of every press of the clutch: an older one
+// may know an older orientation.
 bool Master::aligned(const SlaveToMaster& in) noexcept {
   const bool slave_agrees = in.reason != Reason::turn_handle;
-  tick_.aligned = alignment_->step(in, to_quat(tick_.handle.X_MH.R)) && slave_agrees;
+  const bool knows = in.clutch_presses_seen == tick_.out.clutch_presses;
+  const bool parallel = alignment_->step(in, to_quat(tick_.handle.X_MH.R));
+  tick_.aligned = (parallel || !knows) && slave_agrees;
   tick_.turn_M = alignment_->turn();
   const bool unclutched = tick_.out.clutch && !tick_.reading.clutch;
   return tick_.mode == Mode::engaged && !unclutched ? slave_agrees : tick_.aligned;

@@ -6,6 +6,7 @@ bool AnswerDeadband::due(const SlaveToMaster& out, bool force_wanted, TimePoint 
   const Events events{.mode = out.mode,
                       .reason = out.reason,
                       .coupled = out.coupled,
+                      .has_robot = out.has_robot,
                       .dead_man_presses = out.dead_man_presses_seen,
                       .clutch_presses = out.clutch_presses_seen};
   const Wrench felt = force_wanted ? out.F_E_M : Wrench{};

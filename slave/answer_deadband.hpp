@@ -1,6 +1,7 @@
 // Which answers the slave leaves out: those that tell nothing new (common/deadband.hpp). New is a
 // force or torque off by more than what is felt, if the master has a use for them, and any change
-// of what the master acts by otherwise: mode, reason, coupling, presses seen. The robot's
+// of what the master acts by otherwise: mode, reason, coupling, presses seen, and whether there is
+// an orientation to turn the handle to, which changes only with that or the coupling. The robot's
 // pose and the limits that act are not: nobody acts by them. An answer with news is said again 2,
 // 5 and 10 ms later, for the first may be lost.
 #pragma once
@@ -31,6 +32,7 @@ class AnswerDeadband {
     Mode mode = Mode::disconnected;
     Reason reason = Reason::no_partner;
     bool coupled = false;
+    bool has_robot = false;
     std::uint32_t dead_man_presses = 0, clutch_presses = 0;
     bool operator==(const Events&) const = default;
   };

@@ -15,6 +15,9 @@ double braking_rate(const JointServoConfig& servo) noexcept {
   return 2 * std::numbers::pi * servo.bandwidth_hz / 3;
 }
 
+// What it may move by however near the limit is: an exponential alone never arrives [rad per tick].
+constexpr double kLastStep = 1e-6;
+
 }  // namespace
 
 Wrench boundary_wrench(const WorkspaceConfig& workspace, const SlaveTick& tick) noexcept {
@@ -96,10 +99,20 @@ void Slave::find_again() noexcept {
   servo_.reset();
 }
 
+namespace {
+
+// Its operator, who holds nothing, is told to turn the handle.
+bool asks_turn(const MasterToSlave& in) noexcept {
+  return in.reason == Reason::turn_handle && !in.dead_man;
+}
+
+}  // namespace
+
 void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept {
   const MasterToSlave* in = master.newest;
   const bool clutched = in != nullptr && in->clutch_presses > clutch_presses_;
   clutch_presses_ = in != nullptr ? in->clutch_presses : kNoPressIsNew;
+  if (clutched && turn_asked_ && asks_turn(*in)) forget_orientation(workspace_);
   state_ = next_mode(
       state_,
       {.equipment = tick_.robot.ok ? Equipment::ok
@@ -116,6 +129,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
       tick_.now);
   tick_.mode = state_.mode;
   tick_.reason = state_.reason;
+  turn_asked_ = in != nullptr && asks_turn(*in) && tick_.reason == Reason::turn_handle;
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 
@@ -131,7 +145,7 @@ void Slave::move_target(const Peer<MasterToSlave>& master) noexcept {
   if (!started_) {
     started_ = found_ = true;
     tick_.q_cmd = q_target_ = tick_.robot.q;
-    workspace_.R_HE_first.reset();
+    forget_orientation(workspace_);
     uncouple(workspace_, tick_.X_SE);
     tick_.X_SE_target = tick_.X_SE;
   }
@@ -218,9 +232,10 @@ void Slave::reach() noexcept {
 // finite, clamp, slew.
 void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept {
   const Vec6 move = q_target_ - tick_.q_cmd;
-  const Vec6 up = (braking_ * (config_.joints.upper - tick_.q_cmd)).cwiseMax(0).cwiseMin(q_step_);
+  const Vec6 up =
+      (braking_ * (config_.joints.upper - tick_.q_cmd)).cwiseMax(kLastStep).cwiseMin(q_step_);
   const Vec6 down =
-      (braking_ * (config_.joints.lower - tick_.q_cmd)).cwiseMin(0).cwiseMax(-q_step_);
+      (braking_ * (config_.joints.lower - tick_.q_cmd)).cwiseMin(-kLastStep).cwiseMax(-q_step_);
   const Vec6 allowed = move.cwiseMax(down).cwiseMin(up);
   if (allowed != move) tick_.limits |= kLimitSpeed;
   tick_.q_cmd = allowed == move ? q_target_ : Vec6(tick_.q_cmd + allowed);

@@ -123,6 +123,8 @@ class Slave {
   bool stop_ = false;
   // Of the last message seen. Those of a master not heard yet were meant for no fault of ours.
   std::uint32_t clutch_presses_ = kNoPressIsNew;
+  // Before this tick both sides waited for the handle: a press of the clutch means it as it is.
+  bool turn_asked_ = false;
   std::optional<Place> read_;  // the last reading
   bool doubted_ = false;       // it leapt
   Place believed_;             // if so, the last that did not

@@ -25,6 +25,10 @@ void uncouple(WorkspaceState& s, const Pose& X_SE) noexcept {
   s.X_SE_target = X_SE;
 }
 
+void forget_orientation(WorkspaceState& s) noexcept {
+  s.R_HE_first.reset();
+}
+
 std::optional<Mat3> parallel_handle(const WorkspaceConfig& c, const WorkspaceState& s) noexcept {
   if (s.coupled || !s.R_HE_first) return {};
   return c.R_SM.transpose() * s.X_SE_target.R * s.R_HE_first->transpose();

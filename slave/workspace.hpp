@@ -8,7 +8,7 @@
 // With `alignment` the first coupling says which orientation of the handle is the tool's, and the
 // handle is turned back to about that before each later one. What is left of the angle stays as it
 // is until the next: the tool does not turn for it, and it cannot add up, since it is measured from
-// the first coupling.
+// the first coupling. Once that is forgotten the next one counts as the first.
 //
 // Under rotation lock the tool keeps the orientation it was coupled with, and the torque is not
 // sent back: what does no work on the robot does none on the hand.
@@ -52,6 +52,9 @@ void couple(const WorkspaceConfig& config, WorkspaceState& state, const Pose& X_
 // The target stays where it is; X_SE is the pose the robot is commanded to, which becomes the
 // target.
 void uncouple(WorkspaceState& state, const Pose& X_SE) noexcept;
+
+// The next coupling counts as the first.
+void forget_orientation(WorkspaceState& state) noexcept;
 
 // The orientation of the handle that is the target's, by the first coupling. Before it, while
 // coupled and without alignment: none.

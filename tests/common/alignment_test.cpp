@@ -98,8 +98,15 @@ TEST(TurnSentence, FollowedStepByStepItLeadsToTheRobot) {
 TEST(TurnSentence, OtherReasonsKeepTheirs) {
   EXPECT_EQ(sentence(Reason::dead_man_held, degrees(9, 0, 0)), "release the dead-man");
   EXPECT_EQ(sentence(Reason::none, Vec3::Zero()), "");
-  EXPECT_EQ(turning_line(Mode::aligning, degrees(9, 0, 0)),
-            "ALIGNING: turn the handle 9 deg about +x (its top to the left)");
+}
+
+TEST(TurnSentence, WhoWaitsForItIsToldTheOtherWay) {
+  const std::string turn = "turn the handle 9 deg about +x (its top to the left)";
+  const std::string or_take = ", or press the clutch, dead-man released, to take it as it is";
+  EXPECT_EQ(sentence(Reason::turn_handle, degrees(9, 0, 0)), turn + or_take);
+  EXPECT_EQ(turning_line(Mode::aligning, Reason::turn_handle, degrees(9, 0, 0)),
+            "ALIGNING: " + turn + or_take);
+  EXPECT_EQ(turning_line(Mode::engaged, Reason::none, degrees(9, 0, 0)), "ENGAGED: " + turn);
 }
 
 }  // namespace

@@ -128,6 +128,20 @@ TEST(Mode, EngagedNeedsTheDeadManAndOnceThereOnlyWhatMotionNeeds) {
     }
 }
 
+// What is past is no longer told: then it waits for the dead-man alone.
+TEST(Mode, HoldingSaysWhatIsInTheWayNow) {
+  const auto inputs = all_inputs();
+  for (const ModeState& s : all_states())
+    for (const ModeInputs& in : inputs) {
+      const ModeState to = next_mode(s, in, kNow);
+      if (to.mode != Mode::holding) continue;
+      const bool clear = in.equipment == Equipment::ok && in.fresh && in.partner == Partner::able;
+      ASSERT_EQ(to.reason == Reason::dead_man_held, clear) << to_string(s.mode);
+      ASSERT_TRUE(!clear || in.dead_man);
+      ASSERT_EQ(to.reason == Reason::link_old, in.equipment == Equipment::ok && !in.fresh);
+    }
+}
+
 // Whatever happened: between leaving ENGAGED and entering it again the dead-man was released.
 TEST(Mode, NothingResumesMotionWithoutAFreshPress) {
   const auto inputs = all_inputs();
@@ -212,7 +226,7 @@ TEST(Mode, WhatWasInterruptedWaitsForTheDeadManAndThenForTheHandle) {
                 .aligned = false};
   EXPECT_EQ((s = next_mode(s, in, kNow)).mode, Mode::holding);
   in.fresh = true;
-  EXPECT_EQ((s = next_mode(s, in, kNow)).reason, Reason::link_old);
+  EXPECT_EQ((s = next_mode(s, in, kNow)).reason, Reason::dead_man_held);
   EXPECT_EQ(s.mode, Mode::holding);
   in.dead_man = false;
   EXPECT_EQ((s = next_mode(s, in, kNow)).mode, Mode::aligning);

@@ -161,6 +161,24 @@ TEST(AlignmentLoop, AfterTheClutchItIsTurnedBackAndTheDeadManPressedAgain) {
   }
 }
 
+TEST(AlignmentLoop, APressOfTheClutchTakesTheHandleAsItIs) {
+  for (const char* name : {"twin_delta_free", "twin_delta_far"}) {
+    Scene scene = turning(name);
+    press(hand(scene), proto::Press::DEAD_MAN, 0.5, 2);
+    press(hand(scene), proto::Press::CLUTCH, 5, 0.3);
+    press(hand(scene), proto::Press::DEAD_MAN, 6, 0.8);
+    const Watched w = watch(scene, {4.8, 5.9, 6.7, 6.9, 8.5});
+    expect_turning(w.at[0]);
+    EXPECT_EQ(w.at[1].master.mode, Mode::ready);
+    EXPECT_FALSE(w.at[1].slave.coupled);
+    EXPECT_TRUE(w.at[2].slave.coupled);
+    EXPECT_NEAR(w.off, 30 * kDegree, 0.5 * kDegree);  // as it was turned away
+    EXPECT_LT(w.step, 1e-3);
+    EXPECT_EQ(w.at[3].master.mode, Mode::ready);  // and that is parallel now
+    EXPECT_EQ(w.at[4].master.reason, Reason::turn_handle);
+  }
+}
+
 // The clutch let go with the handle as it was needs no press.
 TEST(AlignmentLoop, TheClutchGoesOnAtOnceWithTheHandleParallel) {
   Scene scene = turning("twin_delta_free");

@@ -32,6 +32,7 @@ struct Rig {
       sent = master.sample(now, reading, slave);
       t = &master.actuate(now, slave);
       answer.coupled = sent.mode == Mode::engaged;
+      if (hears) answer.clutch_presses_seen = sent.clutch_presses;
     }
     return *t;
   }
@@ -48,6 +49,7 @@ struct Rig {
   HandleReading reading{.ok = true};
   SlaveToMaster answer;
   MasterToSlave sent;
+  bool hears = true;  // the slave, of presses
   bool connected = true;
   Duration age{};
   TimePoint now{};
@@ -193,6 +195,28 @@ TEST(Master, OnceEngagedTheHandleIsJudgedWhenTheClutchIsLetGo) {
   EXPECT_EQ(uncoupled(0.5).mode, Mode::engaged);
   rig.reading.clutch = false;
   EXPECT_EQ(uncoupled(0.5).mode, Mode::aligning);
+}
+
+TEST(Master, AnAnswerFromBeforeAPressOfTheClutchIsNotJudgedBy) {
+  Rig rig(aligning());
+  rig.engage();
+  rig.hears = false;
+  robot_turned(rig, 0.5);  // as when the handle was coupled before
+  for (const bool clutch : {true, false}) {
+    rig.reading.clutch = clutch;
+    rig.answer.coupled = false;
+    EXPECT_EQ(rig.tick().mode, Mode::engaged);
+  }
+  rig.answer.reason = Reason::turn_handle;  // the slave, by what it knows
+  rig.answer.mode = Mode::aligning;
+  rig.answer.coupled = false;
+  EXPECT_EQ(rig.tick().mode, Mode::aligning);
+  rig.reading.dead_man = false;
+  rig.answer.reason = Reason::none;
+  rig.answer.mode = Mode::ready;
+  EXPECT_EQ(rig.tick().mode, Mode::ready);
+  rig.hears = true;
+  EXPECT_EQ(rig.tick(2).reason, Reason::turn_handle);
 }
 
 TEST(Master, ARobotToldWithoutBeingCoupledIsNotFelt) {

@@ -77,6 +77,8 @@ TEST(AnswerDeadband, SendsWhateverTheMasterActsBy) {
   EXPECT_TRUE(rig.due());
   rig.out.coupled = true;
   EXPECT_TRUE(rig.due());
+  rig.out.has_robot = true;
+  EXPECT_TRUE(rig.due());
   rig.out.dead_man_presses_seen = 1;
   EXPECT_TRUE(rig.due());
   rig.out.clutch_presses_seen = 1;

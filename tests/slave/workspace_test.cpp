@@ -153,6 +153,12 @@ TEST(Workspace, TheHandleParallelToTheToolIsThatOfTheFirstCoupling) {
     couple(config, s, X_MH, X);
     EXPECT_LT(rotation_vector(follow(config, s, X_MH, set).R * X.R.transpose()).norm(), kRounding);
   }
+  uncouple(s, X_SE);
+  forget_orientation(s);
+  EXPECT_FALSE(parallel_handle(config, s));
+  couple(config, s, X_MH, X_SE);
+  uncouple(s, X_SE);
+  EXPECT_LT(rotation_vector(*parallel_handle(config, s) * X_MH.R.transpose()).norm(), kRounding);
 }
 
 TEST(Workspace, PowerAgreesOnBothSidesWhenForceAndMotionScalesAreEqual) {
