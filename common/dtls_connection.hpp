@@ -42,8 +42,10 @@ struct DtlsConnection {
   std::array<Datagram, 4> out;    // written; what does not fit is lost, as on any network
   std::size_t written = 0;
 
-  UdpAddress peer;                  // the cookie is for this address
-  std::uint64_t cookie_window = 0;  // and this time
+  // The cookie is for this address, this hello and this time.
+  UdpAddress peer;
+  std::array<std::byte, kDtlsRandomBytes> hello_random{};
+  std::uint64_t cookie_window = 0;
 
   std::unique_ptr<SSL, Freed<SSL_free>> ssl;
 };

@@ -79,12 +79,13 @@ bool set_certificates(SSL_CTX* c, const Certificates& own, DtlsRole role) noexce
 // Field by field: an address has padding.
 bool cookie(const SSL* ssl, std::uint64_t window, unsigned char* to) noexcept {
   const UdpAddress& peer = connection(ssl).peer;
-  std::array<unsigned char, 16 + 4 + 2 + 1 + 8> text{};
+  std::array<unsigned char, 16 + 4 + 2 + 1 + 8 + kDtlsRandomBytes> text{};
   std::memcpy(text.data(), peer.bytes.data(), 16);
   std::memcpy(&text[16], &peer.scope, 4);
   std::memcpy(&text[20], &peer.port, 2);
   text[22] = peer.v6 ? 1 : 0;
   std::memcpy(&text[23], &window, 8);
+  std::memcpy(&text[31], connection(ssl).hello_random.data(), kDtlsRandomBytes);
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   const auto& secret = context(ssl).cookie_secret;
   if (HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()), text.data(), text.size(),
