@@ -31,7 +31,9 @@ Issued make_authority(const std::string& name, const Lifetime& lifetime = {});
 // A new key and a certificate for it.
 Issued issue(const Issued& by, const Request& request);
 
+// Of a master or a slave.
 const char* usage_of(DtlsRole role) noexcept;
+std::string observer_usage();
 
 std::string to_pem(x509_st& certificate);
 std::string to_pem(evp_pkey_st& private_key);

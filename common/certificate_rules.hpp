@@ -20,4 +20,7 @@ bool expect_role(X509_VERIFY_PARAM* of, DtlsRole role) noexcept;
 // OpenSSL takes a certificate that names no usage for any; we do not.
 bool names_role(X509* certificate, DtlsRole role) noexcept;
 
+// It says kObserverUsage, or what it says cannot be read.
+bool names_observer(const X509* certificate) noexcept;
+
 }  // namespace farhand

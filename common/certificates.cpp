@@ -137,6 +137,19 @@ bool names_role(X509* certificate, DtlsRole role) noexcept {
   return usage != UINT32_MAX && (usage & wanted) != 0;
 }
 
+bool names_observer(const X509* certificate) noexcept {
+  int found = 0;  // -1: no usage is named
+  const std::unique_ptr<EXTENDED_KEY_USAGE, Freed<EXTENDED_KEY_USAGE_free>> usage(
+      static_cast<EXTENDED_KEY_USAGE*>(
+          X509_get_ext_d2i(certificate, NID_ext_key_usage, &found, nullptr)));
+  const std::unique_ptr<ASN1_OBJECT, Freed<ASN1_OBJECT_free>> wanted(
+      OBJ_txt2obj(kObserverUsage, 1));
+  if (usage == nullptr || wanted == nullptr) return found != -1;
+  for (int i = 0; i < sk_ASN1_OBJECT_num(usage.get()); ++i)
+    if (OBJ_cmp(sk_ASN1_OBJECT_value(usage.get(), i), wanted.get()) == 0) return true;
+  return false;
+}
+
 std::string fingerprint(const x509_st& certificate) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   if (X509_digest(&certificate, EVP_sha256(), digest.data(), nullptr) != 1)

@@ -63,6 +63,8 @@ struct DtlsConfig {
   Duration protection = std::chrono::seconds(1);
   // No handshake lasts longer.
   Duration limit = std::chrono::seconds(5);
+  // A server takes an observer's certificate, too.
+  bool observers = false;
 };
 
 // Why the two sides cannot connect, as far as a handshake shows it.

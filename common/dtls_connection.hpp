@@ -16,9 +16,10 @@ namespace farhand {
 
 // What all connections of one side share.
 struct DtlsContext {
-  DtlsContext(DtlsRole role, const Credentials& credentials);
+  DtlsContext(DtlsRole role, const Credentials& credentials, bool observers);
 
   Credentials credentials;
+  bool observers;  // may connect
   std::array<unsigned char, 32> cookie_secret{};
   DtlsCounters counters;
   std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>> ssl;

@@ -54,7 +54,8 @@ int check_role(int good, X509_STORE_CTX* chain) noexcept {
       X509_STORE_CTX_get_ex_data(chain, SSL_get_ex_data_X509_STORE_CTX_idx()));
   const auto role = SSL_is_server(ssl) != 0 ? DtlsRole::client : DtlsRole::server;
   if (good != 1 || X509_STORE_CTX_get_error_depth(chain) > 0) return good;
-  if (names_role(X509_STORE_CTX_get_current_cert(chain), role)) return 1;
+  X509* const other = X509_STORE_CTX_get_current_cert(chain);
+  if (names_role(other, role) && (context(ssl).observers || !names_observer(other))) return 1;
   X509_STORE_CTX_set_error(chain, X509_V_ERR_INVALID_PURPOSE);
   return 0;
 }
@@ -117,8 +118,9 @@ int check_cookie(SSL* ssl, const unsigned char* got, unsigned size) noexcept {
 
 }  // namespace
 
-DtlsContext::DtlsContext(DtlsRole role, const Credentials& own)
+DtlsContext::DtlsContext(DtlsRole role, const Credentials& own, bool observers_too)
     : credentials(own),
+      observers(observers_too),
       ssl(SSL_CTX_new(role == DtlsRole::client ? DTLS_client_method() : DTLS_server_method())) {
   SSL_CTX* c = ssl.get();
   const auto* certificates = std::get_if<Certificates>(&own);

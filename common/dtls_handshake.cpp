@@ -45,7 +45,8 @@ std::uint64_t cookie_window(TimePoint now) noexcept {
 
 DtlsHandshake::DtlsHandshake(DtlsRole role, const Credentials& credentials,
                              const DtlsConfig& config)
-    : config_(config), context_(std::make_unique<DtlsContext>(role, credentials)) {
+    : config_(config),
+      context_(std::make_unique<DtlsContext>(role, credentials, config.observers)) {
   if (role == DtlsRole::server) listener_ = std::make_unique<DtlsConnection>(*context_);
 }
 

@@ -53,6 +53,12 @@ TEST(DtlsCertificates, OneThatDoesNotNameItsPartHasNone) {
   }
 }
 
+TEST(DtlsCertificates, AnObserversNeverLeads) {
+  expect_wrong_client(certificates(observer_usage()), Mismatch::wrong_role);
+  expect_wrong_client(certificates(observer_usage() + ",serverAuth"), Mismatch::wrong_role);
+  expect_wrong_server(certificates(observer_usage() + ",serverAuth"), Mismatch::wrong_role);
+}
+
 TEST(DtlsCertificates, OneThatIsOverOrToComeIsRefused) {
   expect_wrong_server(certificates("serverAuth", kOver), Mismatch::expired);
   expect_wrong_client(certificates("clientAuth", kOver), Mismatch::expired);

@@ -182,6 +182,14 @@ end INT master slave
 stayed_apart || fail "a key connected with a certificate"
 pass "certificates of another authority, or a key on one side: both say so and stay apart"
 
+start_slave "$(certified slave ours)"
+start_master "$(certified observer ours)"
+wait_for slave 'the certificate of a master that would connect is not a master' 1
+wait_for master 'no answer from the slave' 1
+end INT master slave
+stayed_apart || fail "an observer's certificate leads the robot"
+pass "an observer's certificate leads nothing: the slave says so, and both stay apart"
+
 # Its own certificate in the other's place, as if stolen, and files that do not fit.
 start_master "$(certified slave ours)"
 wait "$master" && fail "a master took a slave's certificate"
