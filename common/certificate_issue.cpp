@@ -134,8 +134,8 @@ std::string to_pem(evp_pkey_st& private_key) {
 std::string write_new_certificates(const std::filesystem::path& directory, int days) {
   const Lifetime lifetime{.until = days};
   const Issued authority = make_authority("Farhand authority", lifetime);
-  std::vector<NewFile> files;
-  add(files, directory, "authority", authority);
+  std::vector<NewFile> files{
+      {{"authority file", directory / "authority.pem"}, to_pem(*authority.certificate), 0644}};
   for (const auto& [name, usage] : {std::pair{"master", std::string(usage_of(DtlsRole::client))},
                                     {"slave", usage_of(DtlsRole::server)},
                                     {"observer", observer_usage()}})

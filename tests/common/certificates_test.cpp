@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <set>
+
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/test_credentials.hpp"
 
@@ -164,9 +166,16 @@ TEST_F(NewCertificates, EachSideCanBeginWithItsOwn) {
     ASSERT_EQ(stat(of(side).private_key.c_str(), &about), 0);
     EXPECT_EQ(about.st_mode & 0777, 0600u);
   }
-  struct stat about {};
-  ASSERT_EQ(stat((directory / "authority_key.pem").c_str(), &about), 0);
-  EXPECT_EQ(about.st_mode & 0777, 0600u);
+}
+
+TEST_F(NewCertificates, NobodyCanSignMore) {
+  write_new_certificates(directory, 100);
+  std::set<std::string> names;
+  for (const auto& file : fs::directory_iterator(directory))
+    names.insert(file.path().filename().string());
+  EXPECT_EQ(names, (std::set<std::string>{"authority.pem", "master.pem", "master_key.pem",
+                                          "slave.pem", "slave_key.pem", "observer.pem",
+                                          "observer_key.pem"}));
 }
 
 TEST_F(NewCertificates, NothingIsOverwrittenNorHalfMade) {
