@@ -9,8 +9,9 @@
 
 namespace farhand {
 
-// In DER. With it each flight of a handshake fits one datagram: of several, in another order than
-// sent, OpenSSL drops a part for good, since what is sent again has the same record numbers.
+// In DER, of a side; an authority's is not sent. With it each flight of a handshake fits one
+// datagram: of several, in another order than sent, OpenSSL drops a part for good, since what is
+// sent again has the same record numbers.
 inline constexpr int kMaxCertificateBytes = 800;
 
 // OpenSSL's checks of the other side's certificate: signed by the authority itself, for `role`,

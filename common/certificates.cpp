@@ -56,8 +56,6 @@ std::shared_ptr<X509> read_certificate(const SecretFile& file) {
   if (!out) refuse(file, "is no certificate in PEM", kCopyAgain);
   if (next_certificate(pem.get()))
     refuse(file, "holds more than one certificate", "leave in it the one that is meant");
-  if (i2d_X509(out.get(), nullptr) > kMaxCertificateBytes)
-    refuse(file, "is longer than " + std::to_string(kMaxCertificateBytes) + " bytes", kMakeThem);
   return out;
 }
 
@@ -169,6 +167,8 @@ Certificates load_certificates(const CertificateFiles& files, DtlsRole role) {
   const SecretFile key{"private key file", files.private_key};
   auto first = read_certificate(authority), second = read_certificate(own);
   Certificates out = make_certificates(std::move(first), std::move(second), read_private_key(key));
+  if (i2d_X509(out.own.get(), nullptr) > kMaxCertificateBytes)
+    refuse(own, "is longer than " + std::to_string(kMaxCertificateBytes) + " bytes", kMakeThem);
   if (X509_check_ca(out.authority.get()) != 1)
     refuse(authority, "is of nobody who may sign others", "name authority.pem");
   if (X509_check_private_key(out.own.get(), out.private_key.get()) != 1) {
