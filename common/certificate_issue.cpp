@@ -117,6 +117,10 @@ const char* usage_of(DtlsRole role) noexcept {
   return role == DtlsRole::client ? "clientAuth" : "serverAuth";
 }
 
+std::string observer_usage() {
+  return std::string(usage_of(DtlsRole::client)) + "," + kObserverUsage;
+}
+
 std::string to_pem(x509_st& certificate) {
   return pem([&](BIO* to) { return PEM_write_bio_X509(to, &certificate); });
 }
@@ -130,13 +134,13 @@ std::string to_pem(evp_pkey_st& private_key) {
 std::string write_new_certificates(const std::filesystem::path& directory, int days) {
   const Lifetime lifetime{.until = days};
   const Issued authority = make_authority("Farhand authority", lifetime);
-  std::vector<NewFile> files;
-  add(files, directory, "authority", authority);
-  for (const auto& [name, role] : {std::pair{"master", DtlsRole::client},
-                                   {"slave", DtlsRole::server},
-                                   {"observer", DtlsRole::client}})
+  std::vector<NewFile> files{
+      {{"authority file", directory / "authority.pem"}, to_pem(*authority.certificate), 0644}};
+  for (const auto& [name, usage] : {std::pair{"master", std::string(usage_of(DtlsRole::client))},
+                                    {"slave", usage_of(DtlsRole::server)},
+                                    {"observer", observer_usage()}})
     add(files, directory, name,
-        issue(authority, {std::string("Farhand ") + name, usage_of(role), lifetime}));
+        issue(authority, {std::string("Farhand ") + name, usage, lifetime}));
   std::filesystem::create_directories(directory);
   for (const NewFile& f : files)
     if (std::filesystem::exists(f.file.path))

@@ -31,14 +31,17 @@ Issued make_authority(const std::string& name, const Lifetime& lifetime = {});
 // A new key and a certificate for it.
 Issued issue(const Issued& by, const Request& request);
 
+// Of a master or a slave.
 const char* usage_of(DtlsRole role) noexcept;
+std::string observer_usage();
 
 std::string to_pem(x509_st& certificate);
 std::string to_pem(evp_pkey_st& private_key);
 
-// In `directory`, made if it is not there: the authority's, a master's, a slave's and an observer's
-// certificate and private key, NAME.pem and NAME_key.pem; the keys only their owner may read. The
-// authority's fingerprint. Throws a sentence, before it has made any, if one of the files exists.
+// In `directory`, made if it is not there: a master's, a slave's and an observer's certificate and
+// private key, NAME.pem and NAME_key.pem, the keys only their owner may read; and authority.pem, a
+// new authority's, whose private key is written nowhere: it signs nothing more. The authority's
+// fingerprint. Throws a sentence, before it has made any, if one of the files exists.
 std::string write_new_certificates(const std::filesystem::path& directory, int days);
 
 }  // namespace farhand

@@ -9,8 +9,9 @@
 
 namespace farhand {
 
-// In DER. With it each flight of a handshake fits one datagram: of several, in another order than
-// sent, OpenSSL drops a part for good, since what is sent again has the same record numbers.
+// In DER, of a side; an authority's is not sent. With it each flight of a handshake fits one
+// datagram: of several, in another order than sent, OpenSSL drops a part for good, since what is
+// sent again has the same record numbers.
 inline constexpr int kMaxCertificateBytes = 800;
 
 // OpenSSL's checks of the other side's certificate: signed by the authority itself, for `role`,
@@ -19,5 +20,8 @@ bool expect_role(X509_VERIFY_PARAM* of, DtlsRole role) noexcept;
 
 // OpenSSL takes a certificate that names no usage for any; we do not.
 bool names_role(X509* certificate, DtlsRole role) noexcept;
+
+// It says kObserverUsage, or what it says cannot be read.
+bool names_observer(const X509* certificate) noexcept;
 
 }  // namespace farhand

@@ -56,8 +56,6 @@ std::shared_ptr<X509> read_certificate(const SecretFile& file) {
   if (!out) refuse(file, "is no certificate in PEM", kCopyAgain);
   if (next_certificate(pem.get()))
     refuse(file, "holds more than one certificate", "leave in it the one that is meant");
-  if (i2d_X509(out.get(), nullptr) > kMaxCertificateBytes)
-    refuse(file, "is longer than " + std::to_string(kMaxCertificateBytes) + " bytes", kMakeThem);
   return out;
 }
 
@@ -137,6 +135,19 @@ bool names_role(X509* certificate, DtlsRole role) noexcept {
   return usage != UINT32_MAX && (usage & wanted) != 0;
 }
 
+bool names_observer(const X509* certificate) noexcept {
+  int found = 0;  // -1: no usage is named
+  const std::unique_ptr<EXTENDED_KEY_USAGE, Freed<EXTENDED_KEY_USAGE_free>> usage(
+      static_cast<EXTENDED_KEY_USAGE*>(
+          X509_get_ext_d2i(certificate, NID_ext_key_usage, &found, nullptr)));
+  const std::unique_ptr<ASN1_OBJECT, Freed<ASN1_OBJECT_free>> wanted(
+      OBJ_txt2obj(kObserverUsage, 1));
+  if (usage == nullptr || wanted == nullptr) return found != -1;
+  for (int i = 0; i < sk_ASN1_OBJECT_num(usage.get()); ++i)
+    if (OBJ_cmp(sk_ASN1_OBJECT_value(usage.get(), i), wanted.get()) == 0) return true;
+  return false;
+}
+
 std::string fingerprint(const x509_st& certificate) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   if (X509_digest(&certificate, EVP_sha256(), digest.data(), nullptr) != 1)
@@ -156,6 +167,8 @@ Certificates load_certificates(const CertificateFiles& files, DtlsRole role) {
   const SecretFile key{"private key file", files.private_key};
   auto first = read_certificate(authority), second = read_certificate(own);
   Certificates out = make_certificates(std::move(first), std::move(second), read_private_key(key));
+  if (i2d_X509(out.own.get(), nullptr) > kMaxCertificateBytes)
+    refuse(own, "is longer than " + std::to_string(kMaxCertificateBytes) + " bytes", kMakeThem);
   if (X509_check_ca(out.authority.get()) != 1)
     refuse(authority, "is of nobody who may sign others", "name authority.pem");
   if (X509_check_private_key(out.own.get(), out.private_key.get()) != 1) {

@@ -1,7 +1,8 @@
 // The other way for the two sides of a link to prove who they are: each has a certificate of its
 // own and the private key to it, and one authority has signed both (X.509, ECDSA over P-256, PEM).
 // A master's or observer's certificate says clientAuth as its extended key usage, a slave's
-// serverAuth, so that neither can be used as the other.
+// serverAuth, so that neither can be used as the other. An observer's also says kObserverUsage:
+// with it nobody leads.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +18,9 @@ namespace farhand {
 
 // Of a connection: who begins it, a master or an observer, and who is there, a slave.
 enum class DtlsRole : std::uint8_t { client, server };
+
+// A usage of our own, from a random UUID (ITU-T X.667).
+inline constexpr const char* kObserverUsage = "2.25.189362923666621630541505676026735795596";
 
 struct Certificates {
   std::shared_ptr<x509_st> authority, own;

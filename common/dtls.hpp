@@ -25,6 +25,8 @@ namespace farhand {
 struct DtlsConnection;
 struct DtlsContext;
 
+inline constexpr std::size_t kDtlsRandomBytes = 32;  // of a hello
+
 // What the clear header says: accepted for a record of data after a handshake, else why not. It is
 // not protected before the session opens the record.
 Verdict judge_record(std::span<const std::byte> datagram) noexcept;
@@ -56,11 +58,13 @@ struct DtlsConfig {
   // A flight without an answer is sent again after so long; doubled each time, up to the second.
   Duration resend = std::chrono::milliseconds(100);
   Duration most_resend = std::chrono::milliseconds(400);
-  // A server keeps a handshake against those from other addresses for so long. Only the host of the
-  // client authenticated last comes before strangers.
+  // A server begins no other handshake for so long, or for `resend` after the begin of one that
+  // failed. Only the host of the client authenticated last comes before strangers.
   Duration protection = std::chrono::seconds(1);
   // No handshake lasts longer.
   Duration limit = std::chrono::seconds(5);
+  // A server takes an observer's certificate, too.
+  bool observers = false;
 };
 
 // Why the two sides cannot connect, as far as a handshake shows it.
@@ -127,6 +131,8 @@ class DtlsHandshake {
  private:
   void begin(TimePoint now);
   void on_hello(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  bool may_begin(std::span<const std::byte> random, const UdpAddress& from,
+                 TimePoint now) const noexcept;
   bool prove(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
   bool from_client_host(UdpAddress address) const noexcept;
   void on_alert(std::span<const std::byte> datagram) noexcept;
@@ -134,17 +140,19 @@ class DtlsHandshake {
   void advance(std::span<const std::byte> record, TimePoint now);
   void take_flight(TimePoint now);
   void send_again() noexcept;
+  void repeat_last(TimePoint now) noexcept;
   void end(std::uint64_t& reason, TimePoint now) noexcept;
 
   DtlsConfig config_;
   std::unique_ptr<DtlsContext> context_;
   std::unique_ptr<DtlsConnection> listener_;  // server: without state, reads hellos
   std::unique_ptr<DtlsConnection> pending_;
-  UdpAddress peer_;                    // of pending_, or of the one before
-  std::array<std::byte, 32> hello_{};  // its client's random number: tells attempts apart
-  TimePoint since_{};                  // its begin
-  std::optional<UdpAddress> server_;   // client: wanted
-  std::optional<UdpAddress> client_;   // server: authenticated last
+  UdpAddress peer_;  // of pending_, or of the one before
+  std::array<std::byte, kDtlsRandomBytes>
+      hello_{};                       // its client's random number: tells attempts apart
+  TimePoint since_{};                 // its begin
+  std::optional<UdpAddress> server_;  // client: wanted
+  std::optional<UdpAddress> client_;  // server: authenticated last
   // Server: the last flight of a handshake that is done, sent again for each of the client's.
   bool repeats_last_ = false;
 

@@ -16,9 +16,10 @@ namespace farhand {
 
 // What all connections of one side share.
 struct DtlsContext {
-  DtlsContext(DtlsRole role, const Credentials& credentials);
+  DtlsContext(DtlsRole role, const Credentials& credentials, bool observers);
 
   Credentials credentials;
+  bool observers;  // may connect
   std::array<unsigned char, 32> cookie_secret{};
   DtlsCounters counters;
   std::unique_ptr<SSL_CTX, Freed<SSL_CTX_free>> ssl;
@@ -42,8 +43,10 @@ struct DtlsConnection {
   std::array<Datagram, 4> out;    // written; what does not fit is lost, as on any network
   std::size_t written = 0;
 
-  UdpAddress peer;                  // the cookie is for this address
-  std::uint64_t cookie_window = 0;  // and this time
+  // The cookie is for this address, this hello and this time.
+  UdpAddress peer;
+  std::array<std::byte, kDtlsRandomBytes> hello_random{};
+  std::uint64_t cookie_window = 0;
 
   std::unique_ptr<SSL, Freed<SSL_free>> ssl;
 };

@@ -54,7 +54,8 @@ int check_role(int good, X509_STORE_CTX* chain) noexcept {
       X509_STORE_CTX_get_ex_data(chain, SSL_get_ex_data_X509_STORE_CTX_idx()));
   const auto role = SSL_is_server(ssl) != 0 ? DtlsRole::client : DtlsRole::server;
   if (good != 1 || X509_STORE_CTX_get_error_depth(chain) > 0) return good;
-  if (names_role(X509_STORE_CTX_get_current_cert(chain), role)) return 1;
+  X509* const other = X509_STORE_CTX_get_current_cert(chain);
+  if (names_role(other, role) && (context(ssl).observers || !names_observer(other))) return 1;
   X509_STORE_CTX_set_error(chain, X509_V_ERR_INVALID_PURPOSE);
   return 0;
 }
@@ -79,12 +80,13 @@ bool set_certificates(SSL_CTX* c, const Certificates& own, DtlsRole role) noexce
 // Field by field: an address has padding.
 bool cookie(const SSL* ssl, std::uint64_t window, unsigned char* to) noexcept {
   const UdpAddress& peer = connection(ssl).peer;
-  std::array<unsigned char, 16 + 4 + 2 + 1 + 8> text{};
+  std::array<unsigned char, 16 + 4 + 2 + 1 + 8 + kDtlsRandomBytes> text{};
   std::memcpy(text.data(), peer.bytes.data(), 16);
   std::memcpy(&text[16], &peer.scope, 4);
   std::memcpy(&text[20], &peer.port, 2);
   text[22] = peer.v6 ? 1 : 0;
   std::memcpy(&text[23], &window, 8);
+  std::memcpy(&text[31], connection(ssl).hello_random.data(), kDtlsRandomBytes);
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   const auto& secret = context(ssl).cookie_secret;
   if (HMAC(EVP_sha256(), secret.data(), static_cast<int>(secret.size()), text.data(), text.size(),
@@ -116,8 +118,9 @@ int check_cookie(SSL* ssl, const unsigned char* got, unsigned size) noexcept {
 
 }  // namespace
 
-DtlsContext::DtlsContext(DtlsRole role, const Credentials& own)
+DtlsContext::DtlsContext(DtlsRole role, const Credentials& own, bool observers_too)
     : credentials(own),
+      observers(observers_too),
       ssl(SSL_CTX_new(role == DtlsRole::client ? DTLS_client_method() : DTLS_server_method())) {
   SSL_CTX* c = ssl.get();
   const auto* certificates = std::get_if<Certificates>(&own);

@@ -8,15 +8,17 @@
 namespace farhand {
 namespace {
 
-constexpr Duration kCookieWindow = std::chrono::minutes(1);
+// As long as a client repeats its hello, and no longer: a hello with its cookie can be played back.
+constexpr Duration kCookieWindow = std::chrono::seconds(5);
 
 // In a ClientHello that is the first record of its datagram, as those of DTLS are: after the
 // headers of record (13) and message (12) and the version (2), the random number.
 constexpr std::size_t kMessageAt = kDtlsHeaderBytes, kRandomAt = kMessageAt + 14;
 
 bool client_hello(std::span<const std::byte> datagram) noexcept {
-  return datagram.size() >= kRandomAt + 32 && datagram[0] == std::byte{SSL3_RT_HANDSHAKE} &&
-         datagram[4] == std::byte{0} && datagram[kMessageAt] == std::byte{SSL3_MT_CLIENT_HELLO};
+  return datagram.size() >= kRandomAt + kDtlsRandomBytes &&
+         datagram[0] == std::byte{SSL3_RT_HANDSHAKE} && datagram[4] == std::byte{0} &&
+         datagram[kMessageAt] == std::byte{SSL3_MT_CLIENT_HELLO};
 }
 
 // Of what is part_of_handshake, or nothing of nothing.
@@ -43,7 +45,8 @@ std::uint64_t cookie_window(TimePoint now) noexcept {
 
 DtlsHandshake::DtlsHandshake(DtlsRole role, const Credentials& credentials,
                              const DtlsConfig& config)
-    : config_(config), context_(std::make_unique<DtlsContext>(role, credentials)) {
+    : config_(config),
+      context_(std::make_unique<DtlsContext>(role, credentials, config.observers)) {
   if (role == DtlsRole::server) listener_ = std::make_unique<DtlsConnection>(*context_);
 }
 
@@ -73,8 +76,18 @@ void DtlsHandshake::receive(std::span<const std::byte> datagram, const UdpAddres
   if (ours && listener_ && client_hello(datagram)) return on_hello(datagram, from, now);
   if (ours && from == peer_ && pending_ && alert(datagram)) return on_alert(datagram);
   if (ours && from == peer_ && pending_) return step(datagram, now);
-  if (ours && from == peer_ && repeats_last_ && now - since_ < config_.limit) return send_again();
+  if (ours && from == peer_ && repeats_last_) return repeat_last(now);
   ++context_->counters.ignored;
+}
+
+// Never twice within half the time after which a client asks again: anyone can ask in its name.
+void DtlsHandshake::repeat_last(TimePoint now) noexcept {
+  if (now - since_ >= config_.limit || now < again_at_) {
+    ++context_->counters.ignored;
+    return;
+  }
+  again_at_ = now + config_.resend / 2;
+  send_again();
 }
 
 void DtlsHandshake::tick(TimePoint now) {
@@ -100,15 +113,20 @@ bool DtlsHandshake::from_client_host(UdpAddress address) const noexcept {
   return address == *client_;
 }
 
-// The copy of a hello whose handshake is known must not begin it again.
+// The copy of a hello must not begin its handshake again, and of others none so soon that their
+// flights add up. One that failed keeps the place for less: it may have been a stranger's.
+bool DtlsHandshake::may_begin(std::span<const std::byte> random, const UdpAddress& from,
+                              TimePoint now) const noexcept {
+  if (from == peer_ && std::equal(random.begin(), random.end(), hello_.begin())) return false;
+  const Duration hold = pending_ ? config_.protection : config_.resend;
+  const bool free = repeats_last_ || counters().begun == 0 || now - since_ >= hold;
+  return free || (from_client_host(from) && !from_client_host(peer_));
+}
+
 void DtlsHandshake::on_hello(std::span<const std::byte> datagram, const UdpAddress& from,
                              TimePoint now) {
-  const auto random = datagram.subspan(kRandomAt, hello_.size());
-  const bool known = (pending_ || repeats_last_) && from == peer_ &&
-                     std::equal(random.begin(), random.end(), hello_.begin());
-  const bool occupied = pending_ && from != peer_ && now - since_ < config_.protection;
-  const bool precedes = from_client_host(from) && !from_client_host(peer_);
-  if (known || (occupied && !precedes)) {
+  const auto random = datagram.subspan(kRandomAt, kDtlsRandomBytes);
+  if (!may_begin(random, from, now)) {
     ++context_->counters.ignored;
     return;
   }
@@ -129,6 +147,7 @@ bool DtlsHandshake::prove(std::span<const std::byte> datagram, const UdpAddress&
   DtlsConnection& listener = *listener_;
   listener.in = first_record(datagram);
   listener.peer = from;
+  std::copy_n(datagram.begin() + kRandomAt, kDtlsRandomBytes, listener.hello_random.begin());
   listener.cookie_window = cookie_window(now);
   ERR_clear_error();
   std::unique_ptr<BIO_ADDR, Freed<BIO_ADDR_free>> unused(BIO_ADDR_new());

@@ -15,7 +15,9 @@ std::array<std::byte, kQuestionBytes> question() noexcept {
 
 Observers::Observers(const std::optional<Credentials>& credentials, Send send)
     : send_(std::move(send)) {
-  if (credentials) handshake_ = std::make_unique<DtlsHandshake>(DtlsRole::server, *credentials);
+  if (credentials)
+    handshake_ = std::make_unique<DtlsHandshake>(DtlsRole::server, *credentials,
+                                                 DtlsConfig{.observers = true});
 }
 
 void Observers::show(std::string_view status) {

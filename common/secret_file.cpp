@@ -38,10 +38,15 @@ std::string read_secret(const SecretFile& file, const SecretFileRules& rules) {
   struct stat status {};
   if (from.fd < 0 || fstat(from.fd, &status) != 0)
     refuse(file, with_reason("cannot be opened"), rules.missing_remedy);
+  if (status.st_uid != geteuid() && status.st_uid != 0)
+    refuse(file, "belongs to another user than root and the one that runs this",
+           "run chown on it after a look at what it holds");
   if ((status.st_mode & rules.forbidden) != 0) refuse(file, rules.open, rules.open_remedy);
   std::string text(kMaxFileBytes, '\0');
   const ssize_t size = read(from.fd, text.data(), text.size());
   if (size < 0) refuse(file, with_reason("cannot be read"), "name a file made by farhand-keygen");
+  if (static_cast<std::size_t>(size) == text.size())
+    refuse(file, "is longer than 16 KiB", "name a file made by farhand-keygen");
   text.resize(static_cast<std::size_t>(size));
   return text;
 }

@@ -27,7 +27,8 @@ struct SecretFileRules {
   std::string missing_remedy;
 };
 
-// The first 16 KiB of it.
+// All of it. Refused is also what belongs to somebody else, but for root, and what is 16 KiB or
+// longer.
 std::string read_secret(const SecretFile& file, const SecretFileRules& rules);
 
 // In a new file of this mode.

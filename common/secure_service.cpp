@@ -12,16 +12,16 @@ namespace {
 
 constexpr const char* kNewOnes = "make new certificates with farhand-keygen --certificates";
 
-std::string about_secrets(const std::string& other, const std::string& own) {
+std::string about_secrets(const std::string& who_has, const std::string& own) {
   if (own.starts_with("key"))
     return fmt::format(
-        "{} has another key than this side ({}): copy one key file, made by farhand-keygen, to "
-        "both machines",
-        other, own.substr(own.find(' ') + 1));
+        "{} another key than this side ({}): copy one key file, made by farhand-keygen, to both "
+        "machines",
+        who_has, own.substr(own.find(' ') + 1));
   return fmt::format(
-      "{} has a certificate of another authority than this side ({}): give both sides what one "
-      "run of farhand-keygen --certificates made",
-      other, own);
+      "{} a certificate of another authority than this side ({}): give both sides what one run of "
+      "farhand-keygen --certificates made",
+      who_has, own);
 }
 
 }  // namespace
@@ -31,14 +31,15 @@ std::string sentence(Mismatch mismatch, bool seen, DtlsRole role, const std::str
   const std::string other = is_client ? "the slave" : "a master that would connect";
   const std::string whose =
       seen ? "the certificate of " + other : other + " says that the certificate of this side";
+  const std::string who = seen ? other : other + " says that it";
   switch (mismatch) {
     case Mismatch::other_secret:
-      return about_secrets(other, own);
+      return about_secrets(who + " has", own);
     case Mismatch::other_kind:
       return fmt::format(
           "{} proves itself otherwise than this side ({}): name a key_file in the "
           "link of both scenes, or certificates in both",
-          other, own);
+          who, own);
     case Mismatch::expired:
       return fmt::format("{} has expired: {}, or set the clocks of both machines", whose, kNewOnes);
     case Mismatch::not_yet_valid:
@@ -61,23 +62,28 @@ SecureService::SecureService(const SecureChannelConfig& config, const Credential
 void SecureService::run(const std::stop_token& stop) {
   constexpr Duration kPause = std::chrono::milliseconds(5);
   while (!stop.stop_requested()) {
-    channel_.service(monotonic_now());
-    tell();
+    const TimePoint now = monotonic_now();
+    channel_.service(now);
+    tell(now);
     std::this_thread::sleep_for(kPause);
   }
 }
 
-// Each once only: anyone can provoke it.
-void SecureService::tell() {
-  const auto first = [](std::uint64_t now, std::uint64_t& before) {
-    return now > 0 && std::exchange(before, now) == 0;
-  };
+// Seldom: anyone can provoke it.
+bool Seldom::due(std::uint64_t count, TimePoint now) noexcept {
+  constexpr Duration kPause = std::chrono::minutes(1);
+  if (count == told_ || (told_at_ && now - *told_at_ < kPause)) return false;
+  told_ = count;
+  told_at_ = now;
+  return true;
+}
+
+void SecureService::tell(TimePoint now) {
+  const DtlsCounters& c = channel_.counters();
   for (std::size_t i = 0; i < kMismatches; ++i) {
     const auto m = static_cast<Mismatch>(i);
-    const DtlsCounters& c = channel_.counters();
-    if (first(c.seen[i], told_.seen[i])) spdlog::warn("{}", sentence(m, true, role_, credentials_));
-    if (first(c.said[i], told_.said[i]))
-      spdlog::warn("{}", sentence(m, false, role_, credentials_));
+    if (seen_[i].due(c.seen[i], now)) spdlog::warn("{}", sentence(m, true, role_, credentials_));
+    if (said_[i].due(c.said[i], now)) spdlog::warn("{}", sentence(m, false, role_, credentials_));
   }
 }
 

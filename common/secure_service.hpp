@@ -2,6 +2,9 @@
 // tells the user why the two sides cannot connect.
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -13,6 +16,16 @@ namespace farhand {
 // writes it.
 std::string sentence(Mismatch mismatch, bool seen, DtlsRole role, const std::string& own);
 
+// Of what is counted, when to tell it: at the first, then at most once a minute.
+class Seldom {
+ public:
+  bool due(std::uint64_t count, TimePoint now) noexcept;
+
+ private:
+  std::uint64_t told_ = 0;
+  std::optional<TimePoint> told_at_;
+};
+
 class SecureService {
  public:
   SecureService(const SecureChannelConfig& config, const Credentials& credentials);
@@ -23,12 +36,12 @@ class SecureService {
 
  private:
   void run(const std::stop_token& stop);
-  void tell();
+  void tell(TimePoint now);
 
   SecureChannel channel_;
   DtlsRole role_;
   std::string credentials_;
-  DtlsCounters told_;
+  std::array<Seldom, kMismatches> seen_, said_;
   std::jthread thread_;
 };
 

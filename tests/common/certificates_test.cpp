@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <set>
+
+#include "tests/support/rsa_authority.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/test_credentials.hpp"
 
@@ -72,6 +75,14 @@ TEST(Certificates, MustBeValidNow) {
   const std::string to_come = Side("clientAuth", {.from = 1, .until = 10}).why_not();
   EXPECT_TRUE(says(to_come, "is not valid before 20")) << to_come;
   EXPECT_TRUE(says(to_come, "set this machine's clock")) << to_come;
+}
+
+TEST(Certificates, OnlyTheOneThatIsSentMustBeShort) {
+  const Issued authority = rsa_authority();
+  ASSERT_GT(i2d_X509(authority.certificate.get(), nullptr), 800);
+  Side side(issue(authority, {"test side", "clientAuth", {}}));
+  side.authority = to_pem(*authority.certificate);
+  EXPECT_EQ(side.why_not(), "");
 }
 
 TEST(Certificates, AnAuthorityExpiresToo) {
@@ -164,9 +175,16 @@ TEST_F(NewCertificates, EachSideCanBeginWithItsOwn) {
     ASSERT_EQ(stat(of(side).private_key.c_str(), &about), 0);
     EXPECT_EQ(about.st_mode & 0777, 0600u);
   }
-  struct stat about {};
-  ASSERT_EQ(stat((directory / "authority_key.pem").c_str(), &about), 0);
-  EXPECT_EQ(about.st_mode & 0777, 0600u);
+}
+
+TEST_F(NewCertificates, NobodyCanSignMore) {
+  write_new_certificates(directory, 100);
+  std::set<std::string> names;
+  for (const auto& file : fs::directory_iterator(directory))
+    names.insert(file.path().filename().string());
+  EXPECT_EQ(names,
+            (std::set<std::string>{"authority.pem", "master.pem", "master_key.pem", "slave.pem",
+                                   "slave_key.pem", "observer.pem", "observer_key.pem"}));
 }
 
 TEST_F(NewCertificates, NothingIsOverwrittenNorHalfMade) {

@@ -2,16 +2,24 @@
 // DTLS, which run with both.
 #include <gtest/gtest.h>
 #include <openssl/x509.h>
+#include <openssl/x509v3.h>
 
 #include <cstdio>
 
+#include "common/certificate_rules.hpp"
+#include "common/openssl_pointers.hpp"
 #include "tests/support/dtls_ends.hpp"
+#include "tests/support/rsa_authority.hpp"
 
 namespace farhand {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+
+void sent_free(STACK_OF(X509) * all) {
+  sk_X509_free(all);
+}
 
 Certificates certificates(const std::string& usage, const Lifetime& lifetime = {}) {
   return test_certificates(1, {"test side", usage, lifetime});
@@ -53,6 +61,12 @@ TEST(DtlsCertificates, OneThatDoesNotNameItsPartHasNone) {
   }
 }
 
+TEST(DtlsCertificates, AnObserversNeverLeads) {
+  expect_wrong_client(certificates(observer_usage()), Mismatch::wrong_role);
+  expect_wrong_client(certificates(observer_usage() + ",serverAuth"), Mismatch::wrong_role);
+  expect_wrong_server(certificates(observer_usage() + ",serverAuth"), Mismatch::wrong_role);
+}
+
 TEST(DtlsCertificates, OneThatIsOverOrToComeIsRefused) {
   expect_wrong_server(certificates("serverAuth", kOver), Mismatch::expired);
   expect_wrong_client(certificates("clientAuth", kOver), Mismatch::expired);
@@ -88,16 +102,55 @@ TEST(DtlsCertificates, AForgedSignatureIsRefused) {
   expect_wrong_server(forged(DtlsRole::server), Mismatch::other_secret);
 }
 
+// What OpenSSL says of `own` in a client's part, as the link asks, or with chains of `depth`.
+int verified(const Issued& own, const Issued& between, const Issued& authority,
+             std::optional<int> depth = {}) {
+  const std::unique_ptr<X509_STORE, Freed<X509_STORE_free>> store(X509_STORE_new());
+  const std::unique_ptr<X509_STORE_CTX, Freed<X509_STORE_CTX_free>> chain(X509_STORE_CTX_new());
+  const std::unique_ptr<STACK_OF(X509), Freed<sent_free>> sent(sk_X509_new_null());
+  sk_X509_push(sent.get(), between.certificate.get());
+  X509_STORE_add_cert(store.get(), authority.certificate.get());
+  X509_STORE_CTX_init(chain.get(), store.get(), own.certificate.get(), sent.get());
+  X509_VERIFY_PARAM* param = X509_STORE_CTX_get0_param(chain.get());
+  EXPECT_TRUE(expect_role(param, DtlsRole::client));
+  if (depth) X509_VERIFY_PARAM_set_depth(param, *depth);
+  X509_verify_cert(chain.get());
+  return X509_STORE_CTX_get_error(chain.get());
+}
+
 // Whoever has a certificate has no right to sign others, and an authority is no side.
 TEST(DtlsCertificates, NobodyIsTwoThings) {
   const auto master = test_certificates(1, DtlsRole::client);
-  const Issued below = issue({master.own, master.private_key}, {"below", "clientAuth", {}});
-  expect_wrong_client(make_certificates(master.authority, below.certificate, below.private_key),
-                      Mismatch::other_secret);
+  const Issued between{master.own, master.private_key};
+  const Issued below = issue(between, {"below", "clientAuth", {}});
+  EXPECT_NE(verified(below, between, test_authority(1)), X509_V_OK);
+  EXPECT_EQ(verified(below, between, test_authority(1), 5), X509_V_ERR_INVALID_CA);
   const Issued& authority = test_authority(1);
   expect_wrong_client(
       make_certificates(authority.certificate, authority.certificate, authority.private_key),
       Mismatch::wrong_role);
+}
+
+// One that may sign authorities, unlike ours.
+Issued authority_of_authorities() {
+  Issued out = make_authority("test authority of authorities");
+  const std::unique_ptr<BASIC_CONSTRAINTS, Freed<BASIC_CONSTRAINTS_free>> any(
+      BASIC_CONSTRAINTS_new());
+  any->ca = 0xff;
+  X509_add1_ext_i2d(out.certificate.get(), NID_basic_constraints, any.get(), 1, X509V3_ADD_REPLACE);
+  X509_sign(out.certificate.get(), out.private_key.get(), EVP_sha256());
+  return out;
+}
+
+TEST(DtlsCertificates, TheAuthorityItselfMustHaveSigned) {
+  const Issued first = authority_of_authorities();
+  const Issued between = make_authority("test authority between");
+  X509_set_issuer_name(between.certificate.get(), X509_get_subject_name(first.certificate.get()));
+  X509_sign(between.certificate.get(), first.private_key.get(), EVP_sha256());
+  const Issued below = issue(between, {"below", "clientAuth", {}});
+  EXPECT_EQ(verified(below, between, first, 5), X509_V_OK);
+  EXPECT_NE(verified(below, between, first), X509_V_OK);
+  EXPECT_EQ(verified(issue(first, {"side", "clientAuth", {}}), between, first), X509_V_OK);
 }
 
 TEST(DtlsCertificates, AKeyOnOneSideAndCertificatesOnTheOtherNeverConnect) {
@@ -129,6 +182,17 @@ TEST(DtlsCertificates, AFlightWithTheLongestOneIsOneDatagram) {
   EXPECT_EQ(ends.server_sent.size(), 3u);
   std::printf("flights of %zu and %zu bytes\n", ends.client_sent.back().size(),
               ends.server_sent[1].size());
+}
+
+TEST(DtlsCertificates, AnAuthorityOfRsaWithALongOneDoes) {
+  const Issued authority = rsa_authority();
+  ASSERT_GT(i2d_X509(authority.certificate.get(), nullptr), 800);
+  const auto side = [&](const char* usage) {
+    const Issued own = issue(authority, {"test side", usage, {}});
+    return make_certificates(authority.certificate, own.certificate, own.private_key);
+  };
+  DtlsEnds ends({side("clientAuth"), side("serverAuth")});
+  EXPECT_TRUE(ends.run(milliseconds(10)));
 }
 
 TEST(DtlsCertificates, OneTooLongIsNotTaken) {

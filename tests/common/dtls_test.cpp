@@ -21,6 +21,12 @@ std::size_t bytes_in(const std::vector<Bytes>& all) {
                          [](std::size_t n, const Bytes& b) { return n + b.size(); });
 }
 
+constexpr std::size_t kMessageAt = 13, kHelloRandomAt = 27;
+
+bool is_flight(const Bytes& datagram) {
+  return datagram.at(kMessageAt) == std::byte{2};  // begins with a ServerHello
+}
+
 bool is_data(const Bytes& datagram) {
   return judge_record(datagram) == Verdict::accepted;
 }
@@ -177,6 +183,41 @@ class DtlsServer : public Dtls {
       said = answers;
     }
   }
+  // A record of a message that belongs nowhere in a handshake that has just begun.
+  static Bytes wrong_message() {
+    Bytes m{std::byte{22}, std::byte{0xfe}, std::byte{0xfd}};
+    m.resize(26);
+    m[10] = std::byte{2};   // number of the record
+    m[12] = std::byte{13};  // its length
+    m[13] = std::byte{16};  // ClientKeyExchange
+    m[16] = m[24] = std::byte{1};
+    m[18] = std::byte{2};  // number of the message
+    m[25] = std::byte{0xff};
+    return m;
+  }
+  struct Said {
+    std::uint64_t begun;
+    std::size_t flights;
+  };
+  // Proven hellos of one address in turn, one a millisecond for 20 s, each with `behind` behind it.
+  Said played_back(const Bytes& behind) {
+    std::vector<Bytes> recorded;
+    for (int i = 0; i < 3; ++i) {
+      DtlsHandshake one(DtlsRole::client, ours.client);
+      recorded.push_back(hello_with_cookie(one, kClientAddress));
+    }
+    Said said{};
+    for (std::size_t i = 0; i < 20000; ++i) {
+      now += milliseconds(1);
+      const Bytes& hello = recorded[i % recorded.size()];
+      for (const Bytes& a : ask(hello, kClientAddress)) said.flights += is_flight(a);
+      if (!behind.empty()) ask(behind, kClientAddress);
+      server.tick(now);
+      said.flights += all_outgoing(server).size();
+    }
+    said.begun = server.counters().begun;
+    return said;
+  }
   void connect(DtlsHandshake& of, const UdpAddress& from) {
     const Bytes proven = hello_with_cookie(of, from);
     converse(of, ask(proven, from), from);
@@ -230,6 +271,52 @@ TEST_P(DtlsServer, SaysLittleToASilentClient) {
   EXPECT_EQ(server.counters().resent, 13u);  // after 0.1, 0.3, 0.7, 1.1, ... 4.7 s
   EXPECT_EQ(got, 14 * flight);
   std::printf("%zu bytes in a flight, %zu in all\n", flight, got);
+}
+
+TEST_P(DtlsServer, TakesACookieWithItsHelloOnly) {
+  Bytes proven = hello_with_cookie(client, kClientAddress);
+  Random random(3);
+  std::size_t got = 0;
+  for (int i = 0; i < 400; ++i) {
+    for (std::size_t b = 0; b < kDtlsRandomBytes; ++b)
+      proven[kHelloRandomAt + b] = static_cast<std::byte>(random.bits());
+    got += bytes_in(ask(proven, kClientAddress));
+  }
+  EXPECT_EQ(server.counters().begun, 0u);
+  EXPECT_LE(got, 400 * proven.size());
+}
+
+// Recorded hellos of one address, played back in turn for 20 s: they are good for 10 s at
+// most, begin one handshake a second, and each sends at 0, 0.1, 0.3 and 0.7 s and the last until
+// its end.
+TEST_P(DtlsServer, SaysLittleToHellosInTurn) {
+  const auto [begun, flights] = played_back({});
+  std::printf("%llu begun, %zu flights\n", static_cast<unsigned long long>(begun), flights);
+  EXPECT_GT(begun, 4u);
+  EXPECT_LE(begun, 10u);
+  EXPECT_LE(flights, 9u * 4 + 14);
+}
+
+// With a forged datagram behind each, which makes it fail: one every 100 ms.
+TEST_P(DtlsServer, SaysLittleToHandshakesThatFailInTurn) {
+  const auto [begun, flights] = played_back(wrong_message());
+  std::printf("%llu begun, %zu flights\n", static_cast<unsigned long long>(begun), flights);
+  EXPECT_GT(server.counters().failed, 10u);
+  EXPECT_LE(begun, 100u);
+  EXPECT_LE(flights, begun);
+}
+
+// Anyone can ask for it in the client's name.
+TEST_P(DtlsServer, SaysItsLastFlightSeldom) {
+  connect(client, kClientAddress);
+  ASSERT_EQ(server.counters().done, 1u);
+  std::size_t resent = 0;
+  for (int i = 0; i < 6000; ++i) {
+    now += milliseconds(1);
+    resent += ask(wrong_message(), kClientAddress).size();
+  }
+  EXPECT_GT(resent, 50u);
+  EXPECT_LE(resent, 100u);  // every 50 ms for 5 s
 }
 
 TEST_P(DtlsServer, AnAlertEndsNothing) {

@@ -75,5 +75,20 @@ TEST(KeyFile, SaysWhatIsWrongAndWhatToDo) {
   EXPECT_FALSE(refusal([] { load_key("/tmp"); }).empty());
 }
 
+TEST(KeyFile, BelongsToNobodyElse) {
+  constexpr uid_t kSomebodyElse = 12345;
+  const TemporaryFile file(kDigits + "\n", ".key");
+  chmod(file.path().c_str(), 0600);
+  EXPECT_EQ(refusal([&] { load_key(file.path()); }), "");
+  if (chown(file.path().c_str(), kSomebodyElse, static_cast<gid_t>(-1)) != 0)
+    GTEST_SKIP() << "only root can give files away";
+  const std::string said = refusal([&] { load_key(file.path()); });
+  EXPECT_TRUE(says(said, "belongs to another user") && says(said, "chown")) << said;
+}
+
+TEST(KeyFile, ALongOneIsRefusedWhole) {
+  EXPECT_TRUE(says(why_not(kDigits + "\n#" + std::string(16384, ' ')), "longer than 16 KiB"));
+}
+
 }  // namespace
 }  // namespace farhand

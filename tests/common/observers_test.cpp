@@ -165,6 +165,23 @@ TEST_P(SecureObservers, TheOneSilentForLongestMakesRoom) {
   for (std::size_t i = 1; i < lookers.size(); ++i) EXPECT_TRUE(answered(*lookers[i])) << i;
 }
 
+TEST(ObserversWithCertificates, AnObserversCertificateLooksAndSoDoesAMasters) {
+  const auto sees = [](const std::string& usage) {
+    Served s(test_certificates(1, DtlsRole::server));
+    s.observers.show("status");
+    std::vector<std::unique_ptr<Looker>> lookers;
+    lookers.push_back(
+        std::make_unique<Looker>(10, test_certificates(1, Request{"test side", usage, {}})));
+    TimePoint now = kNow;
+    run(s, lookers, now, 300);
+    return !lookers[0]->seen.empty();
+  };
+  EXPECT_TRUE(sees(observer_usage()));
+  EXPECT_TRUE(sees("clientAuth"));
+  EXPECT_FALSE(sees(kObserverUsage)) << "no client";
+  EXPECT_FALSE(sees("serverAuth"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Link, SecureObservers, kBothProofs, proof_name);
 
 }  // namespace

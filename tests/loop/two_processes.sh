@@ -14,6 +14,8 @@ scene=tests/loop/presses.textproto
 port=$((20000 + RANDOM % 20000))
 start_slave() { start slave "${1:-$scene}" --quiet --listen "127.0.0.1:$port"; }
 start_master() { start master "${1:-$scene}" --quiet --slave "127.0.0.1:$port"; }
+# One that must not start; if it does, it ends well.
+start_refused() { start master "$1" --quiet --duration 5 --slave "127.0.0.1:$port"; }
 
 for signal in INT TERM; do
   start_slave
@@ -160,38 +162,51 @@ before="$(count slave 'ENGAGED$')"
 kill_hard master
 start_master "$(certified master ours)"
 wait_for slave 'READY -> ENGAGED' $((before + 1))
+before="$(count master 'ENGAGED$')"
+kill_hard slave
+start_slave "$(certified slave ours)"
+wait_for master 'READY -> ENGAGED' $((before + 1))
+wait_for slave 'READY -> ENGAGED' 1
 engaged_only_by_a_press
 end INT master slave
 for side in master slave; do
   grep -q 'certificate [0-9a-f]\{8\} of authority [0-9a-f]\{8\}' "$dir/$side" || fail "the $side did not name its certificate"
 done
-pass "with certificates of one authority: engages, and again after kill -9 of the master"
+pass "with certificates of one authority: engages, and again after kill -9 of either side"
 
 start_slave "$(certified slave ours)"
 start_master "$(certified master theirs)"
 wait_for master 'the slave has a certificate of another authority' 1
-wait_for slave 'a master that would connect has a certificate of another authority' 1
+wait_for slave 'a master that would connect says that it has a certificate of another authority' 1
 wait_for master 'no answer from the slave' 1
 end INT master slave
 stayed_apart || fail "sides with certificates of different authorities left DISCONNECTED"
 start_slave "$(certified slave ours)"
 start_master "$one"
-wait_for master 'the slave proves itself otherwise' 1
+wait_for master 'the slave says that it proves itself otherwise' 1
 wait_for slave 'a master that would connect proves itself otherwise' 1
 end INT master slave
 stayed_apart || fail "a key connected with a certificate"
 pass "certificates of another authority, or a key on one side: both say so and stay apart"
 
+start_slave "$(certified slave ours)"
+start_master "$(certified observer ours)"
+wait_for slave 'the certificate of a master that would connect is not a master' 1
+wait_for master 'no answer from the slave' 1
+end INT master slave
+stayed_apart || fail "an observer's certificate leads the robot"
+pass "an observer's certificate leads nothing: the slave says so, and both stay apart"
+
 # Its own certificate in the other's place, as if stolen, and files that do not fit.
-start_master "$(certified slave ours)"
+start_refused "$(certified slave ours)"
 wait "$master" && fail "a master took a slave's certificate"
 grep -q 'slave.pem is not for a master' "$dir/master" || fail "the master does not say whose certificate it is"
 sed 's/master_key/slave_key/' "$(certified master ours)" >"$dir/unfit.textproto"
-start_master "$dir/unfit.textproto"
+start_refused "$dir/unfit.textproto"
 wait "$master" && fail "a private key that does not fit was taken"
 grep -q 'does not fit the certificate' "$dir/master" || fail "the master does not say which does not fit"
 chmod 644 "$dir/theirs/master_key.pem"
-start_master "$(certified master theirs)"
+start_refused "$(certified master theirs)"
 wait "$master" && fail "a private key that all may read was taken"
 grep -q 'chmod 600' "$dir/master" || fail "the master does not say what to do about the open private key"
 pass "the slave's certificate, a private key that does not fit and one that is open are refused, with the remedy"
@@ -268,7 +283,7 @@ pass "a flood of 20 000 datagrams a second: a stranger gets fewer bytes than it 
 
 start_slave "$one"
 start_master "$(keyed two)"
-wait_for master 'the slave has another key than this side' 1
+wait_for master 'the slave says that it has another key than this side' 1
 wait_for slave 'a master that would connect has another key' 1
 wait_for master 'no answer from the slave' 1
 end INT master slave
@@ -284,7 +299,7 @@ stayed_apart || fail "a master without the key was heard"
 pass "a master without a key is not heard by a slave that has one"
 
 chmod 644 "$dir/two.key"
-start_master "$(keyed two)"
+start_refused "$(keyed two)"
 wait "$master" && fail "a key that all may read was taken"
 grep -q 'chmod 600' "$dir/master" || fail "the master does not say what to do about the open key"
 "$bin/farhand-slave" "$scene" --quiet --listen "0.0.0.0:$port" >"$dir/slave" 2>&1 && fail "a plain link beyond this machine was taken"
