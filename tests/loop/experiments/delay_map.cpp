@@ -1,5 +1,5 @@
-// A wall pressed over networks of growing delay, by the compensations that know no more of the world
-// than they find out: what is felt of it, and what moving freely costs.
+// A wall pressed over networks of growing delay, by the compensations that know no more of the
+// world than they find out: what is felt of it, and what moving freely costs.
 #include <spdlog/fmt/fmt.h>
 
 #include <array>
