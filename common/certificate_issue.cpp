@@ -1,6 +1,7 @@
 #include "common/certificate_issue.hpp"
 
 #include <openssl/bio.h>
+#include <openssl/crypto.h>
 #include <openssl/ec.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
@@ -81,7 +82,28 @@ struct NewFile {
   mode_t mode;
 };
 
-void add(std::vector<NewFile>& to, const std::filesystem::path& directory, const std::string& name,
+// No private key stays behind in memory.
+struct NewFiles : std::vector<NewFile> {
+  using std::vector<NewFile>::vector;
+  ~NewFiles() {
+    for (NewFile& f : *this) OPENSSL_cleanse(f.text.data(), f.text.size());
+  }
+};
+
+// All or none.
+void write_all(const NewFiles& files) {
+  std::size_t made = 0;
+  try {
+    for (; made < files.size(); ++made)
+      write_new_secret(files[made].file, files[made].text, files[made].mode);
+  } catch (...) {
+    std::error_code ignored;
+    while (made > 0) std::filesystem::remove(files[--made].file.path, ignored);
+    throw;
+  }
+}
+
+void add(NewFiles& to, const std::filesystem::path& directory, const std::string& name,
          const Issued& of) {
   to.push_back(
       {{"private key file", directory / (name + "_key.pem")}, to_pem(*of.private_key), 0600});
@@ -134,7 +156,7 @@ std::string to_pem(evp_pkey_st& private_key) {
 std::string write_new_certificates(const std::filesystem::path& directory, int days) {
   const Lifetime lifetime{.until = days};
   const Issued authority = make_authority("Farhand authority", lifetime);
-  std::vector<NewFile> files{
+  NewFiles files{
       {{"authority file", directory / "authority.pem"}, to_pem(*authority.certificate), 0644}};
   for (const auto& [name, usage] : {std::pair{"master", std::string(usage_of(DtlsRole::client))},
                                     {"slave", usage_of(DtlsRole::server)},
@@ -145,7 +167,7 @@ std::string write_new_certificates(const std::filesystem::path& directory, int d
   for (const NewFile& f : files)
     if (std::filesystem::exists(f.file.path))
       refuse(f.file, "exists", "name a new directory; what is in use is never overwritten");
-  for (const NewFile& f : files) write_new_secret(f.file, f.text, f.mode);
+  write_all(files);
   return fingerprint(*authority.certificate);
 }
 

@@ -41,7 +41,7 @@ std::string to_pem(evp_pkey_st& private_key);
 // In `directory`, made if it is not there: a master's, a slave's and an observer's certificate and
 // private key, NAME.pem and NAME_key.pem, the keys only their owner may read; and authority.pem, a
 // new authority's, whose private key is written nowhere: it signs nothing more. The authority's
-// fingerprint. Throws a sentence, before it has made any, if one of the files exists.
+// fingerprint. Throws a sentence, and leaves no file made, if one exists or cannot be written.
 std::string write_new_certificates(const std::filesystem::path& directory, int days);
 
 }  // namespace farhand

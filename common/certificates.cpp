@@ -1,6 +1,7 @@
 #include "common/certificates.hpp"
 
 #include <openssl/bio.h>
+#include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
@@ -25,15 +26,17 @@ using Text = std::unique_ptr<BIO, Freed<BIO_free>>;
 
 // `open_remedy` is for a file that others may use in a way they must not.
 Text open_pem(const SecretFile& file, mode_t forbidden, const char* open, const char* open_remedy) {
-  const std::string text =
+  std::string text =
       read_secret(file, {.forbidden = forbidden,
                          .open = open,
                          .open_remedy = open_remedy,
                          .missing_remedy = "make it with farhand-keygen --certificates and copy "
                                            "here what is this side's"});
   Text pem(BIO_new(BIO_s_mem()));
-  if (pem == nullptr || BIO_write(pem.get(), text.data(), static_cast<int>(text.size())) < 0)
-    refuse(file, "is empty", kCopyAgain);
+  const bool taken =
+      pem != nullptr && BIO_write(pem.get(), text.data(), static_cast<int>(text.size())) >= 0;
+  OPENSSL_cleanse(text.data(), text.size());
+  if (!taken) refuse(file, "is empty", kCopyAgain);
   return pem;
 }
 

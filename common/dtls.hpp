@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "common/channel.hpp"
 #include "common/credentials.hpp"
@@ -58,8 +59,9 @@ struct DtlsConfig {
   // A flight without an answer is sent again after so long; doubled each time, up to the second.
   Duration resend = std::chrono::milliseconds(100);
   Duration most_resend = std::chrono::milliseconds(400);
-  // A server begins no other handshake for so long, or for `resend` after the begin of one that
-  // failed. Only the host of the client authenticated last comes before strangers.
+  // A server keeps a handshake against those from other addresses for so long, and for `resend`
+  // against those from its own or after it has failed. Only the host of the client authenticated
+  // last comes before strangers.
   Duration protection = std::chrono::seconds(1);
   // No handshake lasts longer.
   Duration limit = std::chrono::seconds(5);
@@ -127,6 +129,8 @@ class DtlsHandshake {
   std::unique_ptr<DtlsSession> take_session() noexcept { return std::move(session_); }
 
   const DtlsCounters& counters() const noexcept;
+  // Of the side authenticated last, its certificate's fingerprint; empty: none, or it has a key.
+  const std::string& peer_certificate() const noexcept { return peer_certificate_; }
 
  private:
   void begin(TimePoint now);
@@ -164,6 +168,7 @@ class DtlsHandshake {
   bool reply_waits_ = false;
 
   std::unique_ptr<DtlsSession> session_;
+  std::string peer_certificate_;
 };
 
 }  // namespace farhand

@@ -138,7 +138,8 @@ DtlsContext::DtlsContext(DtlsRole role, const Credentials& own, bool observers_t
 }
 
 std::optional<Mismatch> seen_mismatch(const SSL* ssl) noexcept {
-  const int reason = ERR_GET_REASON(ERR_peek_error());
+  const unsigned long error = ERR_peek_error();
+  const int reason = ERR_GET_LIB(error) == ERR_LIB_SSL ? ERR_GET_REASON(error) : 0;
   if (reason == SSL_R_NO_SHARED_CIPHER) return Mismatch::other_kind;
   if (reason == SSL_R_PSK_IDENTITY_NOT_FOUND) return Mismatch::other_secret;
   switch (SSL_get_verify_result(ssl)) {

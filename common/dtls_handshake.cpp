@@ -113,12 +113,14 @@ bool DtlsHandshake::from_client_host(UdpAddress address) const noexcept {
   return address == *client_;
 }
 
-// The copy of a hello must not begin its handshake again, and of others none so soon that their
-// flights add up. One that failed keeps the place for less: it may have been a stranger's.
+// The copy of a hello whose handshake is known must not begin it again, and others none so soon
+// that their flights add up.
 bool DtlsHandshake::may_begin(std::span<const std::byte> random, const UdpAddress& from,
                               TimePoint now) const noexcept {
-  if (from == peer_ && std::equal(random.begin(), random.end(), hello_.begin())) return false;
-  const Duration hold = pending_ ? config_.protection : config_.resend;
+  const bool stands = pending_ || repeats_last_;
+  if (stands && from == peer_ && std::equal(random.begin(), random.end(), hello_.begin()))
+    return false;
+  const Duration hold = pending_ && from != peer_ ? config_.protection : config_.resend;
   const bool free = repeats_last_ || counters().begun == 0 || now - since_ >= hold;
   return free || (from_client_host(from) && !from_client_host(peer_));
 }
@@ -188,6 +190,8 @@ void DtlsHandshake::advance(std::span<const std::byte> record, TimePoint now) {
   if (c.written > 0) take_flight(now);
   if (status == 1) {
     ++context_->counters.done;
+    const X509* const other = SSL_get0_peer_certificate(c.ssl.get());
+    peer_certificate_ = other != nullptr ? fingerprint(*other) : "";
     session_ = std::make_unique<DtlsSession>(std::move(pending_));
     server_.reset();
     repeats_last_ = listener_ != nullptr;

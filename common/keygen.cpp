@@ -9,7 +9,7 @@
 namespace farhand {
 namespace {
 
-constexpr std::uint64_t kDays = 825, kMostDays = 3650;
+constexpr std::uint64_t kDays = Lifetime{}.until, kMostDays = 3650;
 
 void make_one_key(const std::string& file) {
   const Key key = write_new_key(file);
@@ -31,9 +31,8 @@ void make_all_certificates(const std::string& directory, std::uint64_t days) {
       "machine by a way you trust, such as scp -p, and name them in its scene:\n"
       "link { certificates { authority_file: \"authority.pem\" certificate_file: \"master.pem\"\n"
       "                      private_key_file: \"master_key.pem\" } }\n"
-      "Then remove the directory. The authority can sign nothing more: its private key is gone. "
-      "For\n"
-      "another machine, or if a private key is lost, make a new set for all.\n",
+      "Then remove the directory. The authority can sign nothing more, its private key is gone:\n"
+      "for another machine, or if a private key is lost, make a new set for all.\n",
       name.c_str(), directory.c_str(), static_cast<unsigned long long>(days));
 }
 
@@ -54,7 +53,8 @@ int main(int argc, char** argv) {
       "make certificates in this directory instead, one each for a master, a slave and an "
       "observer, by a new authority that signs nothing more; a new set is made anew, "
       "and files that exist are left as they are");
-  arguments.option("--days", days, "for how long they are valid, 825 by default");
+  arguments.option("--days", days,
+                   "for how long they are valid, " + std::to_string(kDays) + " by default");
   const auto missing = [&] {
     if (file.empty() == !directory) return "either file or --certificates";
     return days && !directory ? "--certificates" : "";

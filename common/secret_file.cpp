@@ -58,9 +58,11 @@ void write_new_secret(const SecretFile& file, const std::string& text, mode_t mo
   if (to.fd < 0)
     refuse(file, with_reason("cannot be made"), "name a place in a directory you may write");
   if (write(to.fd, text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
-      fsync(to.fd) != 0)
-    refuse(file, with_reason("cannot be written"),
-           "remove it, make room on the disk and try again");
+      fsync(to.fd) != 0) {
+    const std::string what = with_reason("cannot be written");
+    unlink(file.path.c_str());
+    refuse(file, what, "make room on the disk and try again");
+  }
 }
 
 std::string hexadecimal(const unsigned char* bytes, std::size_t size) {

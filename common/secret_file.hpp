@@ -31,7 +31,7 @@ struct SecretFileRules {
 // longer.
 std::string read_secret(const SecretFile& file, const SecretFileRules& rules);
 
-// In a new file of this mode.
+// In a new file of this mode; none if it cannot be written whole.
 void write_new_secret(const SecretFile& file, const std::string& text, mode_t mode = 0600);
 
 // Two digits a byte, lower case.

@@ -52,6 +52,7 @@ class SecureChannel {
   // The other half: whatever is to be done at `now`; to be called every few milliseconds.
   void service(TimePoint now);
   const DtlsCounters& counters() const noexcept { return handshake_.counters(); }
+  const std::string& peer_certificate() const noexcept { return handshake_.peer_certificate(); }
 
  private:
   void adopt() noexcept;

@@ -85,6 +85,11 @@ void SecureService::tell(TimePoint now) {
     if (seen_[i].due(c.seen[i], now)) spdlog::warn("{}", sentence(m, true, role_, credentials_));
     if (said_[i].due(c.said[i], now)) spdlog::warn("{}", sentence(m, false, role_, credentials_));
   }
+  const std::string& peer = channel_.peer_certificate();
+  if (!peer.empty() && (connected_.due(c.done, now) || peer != peer_))
+    spdlog::info("connected with {} of certificate {}",
+                 role_ == DtlsRole::client ? "the slave" : "a master", peer);
+  peer_ = peer;
 }
 
 }  // namespace farhand

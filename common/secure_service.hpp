@@ -42,6 +42,8 @@ class SecureService {
   DtlsRole role_;
   std::string credentials_;
   std::array<Seldom, kMismatches> seen_, said_;
+  Seldom connected_;
+  std::string peer_;  // its certificate
   std::jthread thread_;
 };
 

@@ -197,5 +197,14 @@ TEST_F(NewCertificates, NothingIsOverwrittenNorHalfMade) {
   EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1);
 }
 
+// Nothing seems to be in the way before the first is written.
+TEST_F(NewCertificates, AHalfMadeSetIsTakenBack) {
+  fs::create_directories(directory);
+  fs::create_symlink("nowhere", directory / "observer.pem");
+  EXPECT_TRUE(
+      says(refusal([&] { write_new_certificates(directory, 100); }), "observer.pem exists"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory), fs::directory_iterator()), 1);
+}
+
 }  // namespace
 }  // namespace farhand

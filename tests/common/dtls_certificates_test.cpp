@@ -49,6 +49,15 @@ void expect_wrong_server(const Certificates& server, Mismatch what) {
   expect_mismatch({certificates("clientAuth"), server}, what, DtlsRole::client);
 }
 
+TEST(DtlsCertificates, EachSideKnowsWhoseItTook) {
+  const Certificates client = certificates("clientAuth"), server = certificates("serverAuth");
+  DtlsEnds ends({client, server});
+  EXPECT_EQ(ends.client.peer_certificate(), "");
+  ASSERT_TRUE(ends.run(milliseconds(10)));
+  EXPECT_EQ(ends.client.peer_certificate(), fingerprint(*server.own));
+  EXPECT_EQ(ends.server.peer_certificate(), fingerprint(*client.own));
+}
+
 TEST(DtlsCertificates, AStolenOneOpensNoOtherPart) {
   expect_wrong_server(certificates("clientAuth"), Mismatch::wrong_role);
   expect_wrong_client(certificates("serverAuth"), Mismatch::wrong_role);

@@ -171,6 +171,8 @@ engaged_only_by_a_press
 end INT master slave
 for side in master slave; do
   grep -q 'certificate [0-9a-f]\{8\} of authority [0-9a-f]\{8\}' "$dir/$side" || fail "the $side did not name its certificate"
+  other="$([[ "$side" == master ]] && echo slave || echo master)"
+  grep -q "connected with .* of certificate $(sed -n 's/.*certificate \([0-9a-f]\{8\}\) of authority.*/\1/p' "$dir/$other" | head -n 1)" "$dir/$side" || fail "the $side did not name the other's certificate"
 done
 pass "with certificates of one authority: engages, and again after kill -9 of either side"
 
