@@ -12,10 +12,10 @@
 // the noise of encoders under force, is told as `in` for the peer to give out, and must come out
 // here at the store's expense: a hand that pressed for some seconds had spent it.
 //
-// A surplus goes back: of what a side has beyond 2 E0 nine tenths are told to the peer as `in`, the
-// rest is forgotten, so that no hours of drag pay for a shove and nothing goes to and fro for ever.
-// Without it the peer of a robot that lags pays for every withdrawal from a wall, and never gets
-// anything back.
+// Where asked for, a surplus goes back: of what a side has beyond 2 E0 nine tenths are told to the
+// peer as `in`, the rest is forgotten. Without springs and dampers in the network the peer of a
+// robot that lags else pays for every withdrawal from a wall, and never gets anything back. Dampers
+// pay for a wall that rings in that way, too; so not with them.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,8 @@ inline constexpr double kEnergyStore = 0.02;  // E0 [J]: below it nothing starts
 
 class EnergyBudget {
  public:
-  explicit EnergyBudget(double store = kEnergyStore) noexcept : store_(store), credit_(store) {}
+  explicit EnergyBudget(double store = kEnergyStore, bool returns_surplus = false) noexcept
+      : store_(store), returns_surplus_(returns_surplus), credit_(store) {}
 
   // Of any message of the peer's session, in any order, any number of times.
   void receive(double peer_in) noexcept { received_ = std::max(received_, peer_in); }
@@ -37,9 +38,7 @@ class EnergyBudget {
     in_ += std::max(pool_ - kept, 0.0);
     out_ += std::max(kept - pool_, 0.0);
     pool_ = kept;
-    const double surplus = std::max(left() - 2 * store_, 0.0);
-    credit_ -= surplus;
-    in_ += kReturned * surplus;
+    if (returns_surplus_) return_surplus();
   }
   // Work [J] the guard took from the user or the robot by itself.
   void repay(double work) noexcept { credit_ += work; }
@@ -58,10 +57,17 @@ class EnergyBudget {
   }
 
  private:
+  void return_surplus() noexcept {
+    const double surplus = std::max(left() - 2 * store_, 0.0);
+    credit_ -= surplus;
+    in_ += kReturned * surplus;
+  }
+
   static constexpr double kReturned = 0.9;
   static constexpr double kPoolShare = 0.5;  // of E0, so that the peer can begin on its own E0
 
   double store_;
+  bool returns_surplus_;
   double credit_;
   double received_ = 0, in_ = 0, out_ = 0, pool_ = 0;
 };

@@ -24,15 +24,16 @@ namespace farhand {
 
 struct ForceGuardConfig {
   double Ts = 0.001;
-  double store = kEnergyStore;  // E0 [J]
-  double reserve = 0.005;       // [J] of it, for what a tick does not foresee; > 0
-  double max_damping = 50;      // [N s/m], [N m s] beyond what stops the outflow: the device's
+  double store = kEnergyStore;   // E0 [J]
+  double reserve = 0.005;        // [J] of it, for what a tick does not foresee; > 0
+  double max_damping = 50;       // [N s/m], [N m s] beyond what stops the outflow: the device's
+  bool returns_surplus = false;  // see EnergyBudget
 };
 
 class ForceGuard {
  public:
   explicit ForceGuard(const ForceGuardConfig& config) noexcept
-      : config_(config), budget_(config.store - config.reserve) {}
+      : config_(config), budget_(config.store - config.reserve, config.returns_surplus) {}
 
   // F_wished resists: handle on coupling, or mass on coupling. x: where the handle or mass is, by
   // which the last force did its work. Returns the force to give in place of F_wished. All of the

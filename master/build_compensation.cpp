@@ -63,9 +63,11 @@ DirectCouplingConfig direct_coupling(const proto::Scene& scene, double Ts) {
   c.max_force = f.max_force_newton();
   c.max_torque = f.max_torque_newton_meter();
   c.translation.Ts = Ts;
+  c.translation.returns_surplus = true;
   if (!couples_rotation(scene)) return c;
   c.rotation = DampedRotationConfig{}.guard;
   c.rotation->Ts = Ts;
+  c.rotation->returns_surplus = true;
   return c;
 }
 

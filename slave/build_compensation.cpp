@@ -73,10 +73,13 @@ DirectTargetConfig direct_target(const proto::Scene& scene, const SlaveConfig& s
   c.max_speed = handle_speed(slave);
   c.max_turn_rate = slave.workspace.rotation_step / slave.Ts;
   c.translation.Ts = slave.Ts;
+  c.translation.returns_surplus = true;
   c.concealment = {.full = conceal, .fade = std::max(conceal, Duration(1))};
   if (!couples_rotation(scene)) return c;
-  c.rotation = VelocityGuardConfig{
-      .Ts = slave.Ts, .store = DampedTurnConfig{}.guard.store, .drift_speed = 0.5};
+  c.rotation = VelocityGuardConfig{.Ts = slave.Ts,
+                                   .store = DampedTurnConfig{}.guard.store,
+                                   .drift_speed = 0.5,
+                                   .returns_surplus = true};
   return c;
 }
 

@@ -112,7 +112,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
   const MasterToSlave* in = master.newest;
   const bool clutched = in != nullptr && in->clutch_presses > clutch_presses_;
   clutch_presses_ = in != nullptr ? in->clutch_presses : kNoPressIsNew;
-  if (clutched && turn_asked_ && asks_turn(*in)) forget_orientation(workspace_);
+  if (turn_asked_ && clutched && asks_turn(*in)) forget_orientation(workspace_);
   state_ = next_mode(
       state_,
       {.equipment = tick_.robot.ok ? Equipment::ok
@@ -129,7 +129,7 @@ void Slave::decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept 
       tick_.now);
   tick_.mode = state_.mode;
   tick_.reason = state_.reason;
-  turn_asked_ = in != nullptr && asks_turn(*in) && tick_.reason == Reason::turn_handle;
+  turn_asked_ = tick_.reason == Reason::turn_handle && in != nullptr && asks_turn(*in);
   if (master.age > config_.stale) tick_.limits |= kLimitStale;
 }
 

@@ -17,15 +17,16 @@ namespace farhand {
 
 struct VelocityGuardConfig {
   double Ts = 0.001;
-  double store = kEnergyStore;  // E0 [J]
-  double drift_time = 0.05;     // tau [s]
-  double drift_speed = 0.05;    // [m/s], [rad/s]
+  double store = kEnergyStore;   // E0 [J]
+  double drift_time = 0.05;      // tau [s]
+  double drift_speed = 0.05;     // [m/s], [rad/s]
+  bool returns_surplus = false;  // see EnergyBudget
 };
 
 class VelocityGuard {
  public:
   explicit VelocityGuard(const VelocityGuardConfig& config) noexcept
-      : config_(config), budget_(config.store) {}
+      : config_(config), budget_(config.store, config.returns_surplus) {}
 
   // The target's velocity in this tick in place of v. stretch: handle, as received, less target;
   // zero without drift compensation. F_e: robot on environment.

@@ -382,10 +382,10 @@ inline std::vector<BrokenScene> broken_scenes() {
        "link.deadband.keep_alive_ms", "half of link.stale_ms"},
       {with_compensation("direct {} } link { stale_ms: 60 deadband { keep_alive_ms: @11 }"),
        "link.deadband.keep_alive_ms", "half of force_feedback.hold_ms"},
-      {with_compensation("wave { impedance_newton_s_per_m: 400\n @virtual_mass_kg: 0.05 }"),
+      {with_compensation("wave { impedance_newton_s_per_m: 400\n virtual_mass_kg: @0.05 }"),
        "compensation.wave.virtual_mass_kg", "too light for the impedance"},
       {with_compensation("smith { wall { point_in_slave_m: [0, 0, 0] normal_in_slave: [0, 1, 0] }\n"
-                         " @robot_mass_kg: 0.05 }"),
+                         " robot_mass_kg: @0.05 }"),
        "compensation.smith.robot_mass_kg", "too light for the model"},
       {with_link("\n@deadband {}"), "link.deadband", "nothing senses"},
       {"rate_hz: 500 " + with_link("stale_ms: @3"), "link.stale_ms", "two tick periods"},

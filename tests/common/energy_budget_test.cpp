@@ -29,6 +29,16 @@ TEST(EnergyBudget, ToAndFroCostsNeitherSideAnything) {
   EXPECT_NEAR(b.left(), 0.03, 1e-9);
 }
 
+// A robot that lags: what the hand gives and does not get back gathers at the peer.
+TEST(EnergyBudget, ReturnsASurplusWhereAskedTo) {
+  EnergyBudget keeps(0.02), returns(0.02, true);
+  for (EnergyBudget* b : {&keeps, &returns}) b->receive(1), b->charge(-0.1);
+  EXPECT_NEAR(keeps.left(), 0.92, 1e-12);
+  EXPECT_EQ(keeps.in(), 0);
+  EXPECT_NEAR(returns.left(), 0.04, 1e-12);
+  EXPECT_NEAR(returns.in(), 0.9 * 0.88, 1e-12);
+}
+
 // Whatever is charged, what came out in all is what went in, less what the peer was told and what
 // the pool holds, plus what `out` counts.
 TEST(EnergyBudget, LosesAndMakesNoEnergy) {

@@ -35,6 +35,23 @@ TEST(DirectLoop, FeelsTheWallWhereItDoesNotRing) {
   }
 }
 
+// Pressed and left again and again: the robot's lag costs the hand's guard something each time,
+// and it gets it back.
+TEST(DirectLoop, FeelsTheWallAfterManyWithdrawals) {
+  Scene scene = direct_over(2, 1000);
+  proto::Motion& m = *hand(scene).mutable_motion();
+  for (int i = 0; i < 6; ++i) {
+    reach(m, kMoved + 3 + 3 * i, 1, Vec3(0.04, 0, 0));
+    reach(m, kMoved + 4.5 + 3 * i, 1, Vec3(-0.04, 0, 0));
+  }
+  const Pressing h = pressed(scene, 20);
+  std::printf("after six withdrawals: felt %.3f of it, handle %.2f mm/s rms\n", h.stiffness / 1000,
+              h.chatter * 1e3);
+  EXPECT_EQ(h.violations, 0u);
+  EXPECT_NEAR(h.stiffness / 1000, 1, 0.05);
+  EXPECT_LT(h.chatter, 0.003);
+}
+
 // Beyond B_h / ke of round trip.
 TEST(DirectLoop, IsHeldByItsGuardsWhereItRings) {
   for (const auto& [rtt, wall] : {std::pair{2., 5000.},
