@@ -61,7 +61,8 @@ wait_for master 'READY -> ENGAGED' 1
 for i in $(seq 2000); do printf 'garbage %d \x00\xff<>' "$i" >"/dev/udp/127.0.0.1/$port" || true; done
 wait_for slave 'READY -> ENGAGED' 2
 end INT master slave
-grep -q 'ENGAGED -> HOLDING' "$dir/slave" && fail "garbage stopped the slave"
+# At the end the master may stop first.
+grep 'ENGAGED -> HOLDING' "$dir/slave" | grep -qv 'the other side was stopped' && fail "garbage stopped the slave"
 dropped="$(sed -n 's/.*dropped \([0-9]*\),.*/\1/p' "$dir/slave")"
 ((dropped >= 1000)) || fail "2000 garbage datagrams, $dropped dropped"
 pass "garbage from a stranger is dropped and counted ($dropped), motion goes on"
