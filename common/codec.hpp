@@ -1,22 +1,17 @@
 // Messages to and from payload bytes (a type byte and proto/wire.proto), in fixed buffers. Both
-// directions apply one rule, so nothing leaves that the other side would refuse: every number
-// finite, quaternions unit to kQuaternionTolerance, stamps up to kMaxStamp, sequences from 1.
-// Since all fields are required and of fixed width, the size alone refuses whatever is repeated,
-// unknown or appended.
+// directions apply one rule (common/message_rules.hpp), so nothing leaves that the other side would
+// refuse. Since all fields are required and of fixed width, the size alone refuses whatever is
+// repeated, unknown or appended.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <span>
 
+#include "common/message_rules.hpp"
 #include "common/wire.hpp"
 
 namespace farhand {
-
-bool valid(const Hello& hello) noexcept;
-bool valid(const MasterToSlave& message) noexcept;
-bool valid(const SlaveToMaster& message) noexcept;
-bool valid(const Header& header) noexcept;
 
 // Holds the parsed objects for reuse: allocates when constructed, not after.
 class Codec {

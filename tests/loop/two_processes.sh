@@ -125,21 +125,26 @@ keyed() {
 "$bin/farhand-keygen" "$dir/one.key" >/dev/null 2>&1 && fail "farhand-keygen overwrote a key"
 one="$(keyed one)"
 
-start_slave "$one"
-start_master "$one"
-wait_for slave 'READY -> ENGAGED' 1
-wait_for master 'READY -> ENGAGED' 1
-before="$(count slave 'ENGAGED$')"
-kill_hard master
-start_master "$one"
-wait_for slave 'READY -> ENGAGED' $((before + 1))
-before="$(count master 'ENGAGED$')"
-kill_hard slave
-start_slave "$one"
-wait_for master 'READY -> ENGAGED' $((before + 1))
-wait_for slave 'READY -> ENGAGED' 1
-engaged_only_by_a_press
-end INT master slave
+# engages_again SLAVE'S_SCENE MASTER'S_SCENE: engaged, and again after kill -9 of either side.
+engages_again() {
+  local before
+  start_slave "$1"
+  start_master "$2"
+  wait_for slave 'READY -> ENGAGED' 1
+  wait_for master 'READY -> ENGAGED' 1
+  before="$(count slave 'ENGAGED$')"
+  kill_hard master
+  start_master "$2"
+  wait_for slave 'READY -> ENGAGED' $((before + 1))
+  before="$(count master 'ENGAGED$')"
+  kill_hard slave
+  start_slave "$1"
+  wait_for master 'READY -> ENGAGED' $((before + 1))
+  wait_for slave 'READY -> ENGAGED' 1
+  engaged_only_by_a_press
+  end INT master slave
+}
+engages_again "$one" "$one"
 for side in master slave; do
   grep -q "key $(sed -n 's/^# Farhand key \([0-9a-f]*\).*/\1/p' "$dir/one.key")" "$dir/$side" || fail "the $side did not name its key"
 done
@@ -155,21 +160,7 @@ certified() {
 "$bin/farhand-keygen" --certificates "$dir/theirs" >/dev/null
 "$bin/farhand-keygen" --certificates "$dir/ours" >/dev/null 2>&1 && fail "farhand-keygen overwrote certificates"
 
-start_slave "$(certified slave ours)"
-start_master "$(certified master ours)"
-wait_for slave 'READY -> ENGAGED' 1
-wait_for master 'READY -> ENGAGED' 1
-before="$(count slave 'ENGAGED$')"
-kill_hard master
-start_master "$(certified master ours)"
-wait_for slave 'READY -> ENGAGED' $((before + 1))
-before="$(count master 'ENGAGED$')"
-kill_hard slave
-start_slave "$(certified slave ours)"
-wait_for master 'READY -> ENGAGED' $((before + 1))
-wait_for slave 'READY -> ENGAGED' 1
-engaged_only_by_a_press
-end INT master slave
+engages_again "$(certified slave ours)" "$(certified master ours)"
 for side in master slave; do
   grep -q 'certificate [0-9a-f]\{8\} of authority [0-9a-f]\{8\}' "$dir/$side" || fail "the $side did not name its certificate"
   other="$([[ "$side" == master ]] && echo slave || echo master)"

@@ -1,8 +1,10 @@
 // A client and a server of DTLS over two seeded networks in virtual time.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -99,6 +101,20 @@ inline Bytes some_payload(std::uint64_t seed, std::size_t size = 200) {
   Bytes payload(size);
   for (std::byte& b : payload) b = static_cast<std::byte>(random.bits());
   return payload;
+}
+
+inline std::size_t bytes_in(const std::vector<Bytes>& all) {
+  return std::accumulate(all.begin(), all.end(), std::size_t{0},
+                         [](std::size_t n, const Bytes& b) { return n + b.size(); });
+}
+
+// Whether what `from` seals is opened by `to`.
+inline bool passes(DtlsSession& from, DtlsSession& to, std::uint64_t seed) {
+  const Bytes payload = some_payload(seed);
+  std::array<std::byte, kMaxPayloadBytes> opened;
+  const Opened got = to.open(sealed(from, payload), opened);
+  return got.verdict == Verdict::accepted && got.size == payload.size() &&
+         std::equal(payload.begin(), payload.end(), opened.begin());
 }
 
 }  // namespace farhand
