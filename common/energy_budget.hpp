@@ -43,8 +43,9 @@ class EnergyBudget {
   // Work [J] the guard took from the user or the robot by itself.
   void repay(double work) noexcept { credit_ += work; }
 
-  // The method changed: of a surplus only E0 is kept.
-  void cap() noexcept { credit_ -= std::max(left() - store_, 0.0); }
+  // Of a surplus only so much is kept [J]; E0 where the method changed.
+  void cap(double most) noexcept { credit_ -= std::max(left() - most, 0.0); }
+  void cap() noexcept { cap(store_); }
 
   double left() const noexcept { return credit_ + received_ - out_ + pool_; }  // W, and the pool
   double in() const noexcept { return in_; }                                   // to be sent

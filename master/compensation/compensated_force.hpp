@@ -24,7 +24,7 @@ class CompensatedForce {
   explicit CompensatedForce(const CompensatedForceConfig& config) noexcept
       : method_(std::visit([](const auto& c) { return made(c); }, config)) {}
 
-  // In every tick with a message: methods that go by all of them take it.
+  // In every tick with a message, its newest, also while nothing is coupled.
   void hear(const Peer<SlaveToMaster>& slave, TimePoint now) noexcept {
     if (auto* wave = std::get_if<WaveCoupling>(&method_)) wave->hear(slave, now);
   }

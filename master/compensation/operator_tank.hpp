@@ -15,9 +15,11 @@
 
 namespace farhand {
 
+inline constexpr double kOperatorCap = 0.2;  // [J]
+
 struct OperatorTankConfig {
   double start = kEnergyStore;  // E0 [J]
-  double cap = 0.2;             // [J]
+  double cap = kOperatorCap;    // [J]
   double reserve = 0.005;       // [J] of E0, for the tick in which the hand turns round
   double low = 0.01;            // [J] below, less the reserve, what drives the hand is scaled down
 };

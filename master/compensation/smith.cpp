@@ -7,7 +7,7 @@ namespace farhand {
 
 Vec3 SmithPredictor::step(const Vec3& x_m, const Vec3& v_m, const Vec3& F_e, TimePoint acted,
                           TimePoint now) noexcept {
-  if (!started_) start(x_m);
+  if (!started_ || !x_.allFinite()) start(x_m);
   past_[next_] = F_;  // the robot's, too, is measured before it moves
   next_ = (next_ + 1) % kLength, known_ = std::min(known_ + 1, kLength);
   const Vec3 correction = F_ - then(std::max(seconds(now - acted), 0.0) / config_.Ts);

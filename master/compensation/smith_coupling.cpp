@@ -1,6 +1,7 @@
 #include "master/compensation/smith_coupling.hpp"
 
 #include "common/limits.hpp"
+#include "master/compensation/operator_tank.hpp"
 
 namespace farhand {
 
@@ -17,6 +18,7 @@ Wrench SmithCoupling::step(const CouplingInputs& in) noexcept {
   predictor_.place(in.robot.wall);
   const Vec3 F_M = predictor_.step(p_MH, in.V_MH.linear, in.robot.F_E_M.force, acted, in.now);
   guard_.budget().receive(guard_.budget().in());
+  guard_.budget().cap(kOperatorCap);
   Wrench F_G{.force = in.handle.R_MG.transpose() *
                       guard_.step(share * clamp_norm(F_M, max_force_), p_MH)};
   if (rotation_) F_G.torque = rotation_->step(in, share);

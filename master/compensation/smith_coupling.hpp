@@ -1,6 +1,7 @@
 // The Smith predictor at the handle (master/compensation/smith.hpp): of translation, robot and
-// registered wall are computed here, under a guard around the operator's port alone; rotation is
-// P+d. The slave tells where the wall is in the handle's terms and which pose its force answers.
+// registered wall are computed here, under a guard around the operator's port alone, which keeps no
+// more of the hand's work than kOperatorCap; rotation is P+d. The slave tells where the wall is in
+// the handle's terms and which pose its force answers.
 #pragma once
 
 #include <optional>

@@ -23,7 +23,7 @@ class CompensatedTarget {
   explicit CompensatedTarget(const CompensatedTargetConfig& config) noexcept
       : method_(std::visit([](const auto& c) { return made(c); }, config)) {}
 
-  // In every tick with a message: methods that go by all of them take it.
+  // In every tick with a message, its newest, also while nothing is coupled.
   void hear(const Peer<MasterToSlave>& master, TimePoint now) noexcept {
     if (auto* wave = std::get_if<WaveTarget>(&method_)) wave->hear(master, now);
     if (auto* smith = std::get_if<SmithTarget>(&method_)) smith->hear(master, now);

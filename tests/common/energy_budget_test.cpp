@@ -39,6 +39,13 @@ TEST(EnergyBudget, ReturnsASurplusWhereAskedTo) {
   EXPECT_NEAR(returns.in(), 0.9 * 0.88, 1e-12);
 }
 
+// As around the operator's port alone, where the budget receives its own inflow.
+TEST(EnergyBudget, HoursOfDragAreNotKept) {
+  EnergyBudget b(0.02);
+  for (int i = 0; i < 10000; ++i) b.charge(0.001), b.receive(b.in()), b.cap(0.2);
+  EXPECT_NEAR(b.left(), 0.2, 1e-12);
+}
+
 // Whatever is charged, what came out in all is what went in, less what the peer was told and what
 // the pool holds, plus what `out` counts.
 TEST(EnergyBudget, LosesAndMakesNoEnergy) {
