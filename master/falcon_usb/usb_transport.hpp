@@ -2,8 +2,8 @@
 // found again whenever it is plugged in. Asynchronous transfers, with reads always pending.
 //
 // Everything happens on the thread that calls wait(), submit() and next_event(). Only wait() may
-// block or allocate: it also looks for the device, which submit() and next_event() never do. That
-// thread is therefore not the control loop's.
+// block: it also looks for the device, which submit() and next_event() never do. libusb itself
+// allocates whenever a transfer is submitted. That thread is therefore not the control loop's.
 #pragma once
 
 #include <array>
