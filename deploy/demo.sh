@@ -10,7 +10,7 @@ scene="${1:-deploy/scenes/twin_delta_contact.textproto}"
 seconds=20
 
 deploy/install.sh
-cmake --preset release -DFARHAND_TESTS=OFF >/dev/null
+cmake --preset release -DFARHAND_TESTS=OFF -DCMAKE_UNITY_BUILD=ON >/dev/null
 cmake --build --preset release --target farhand-master farhand-slave farhand-report
 
 out=build/demo
