@@ -165,4 +165,8 @@ Scene load_scene(const std::filesystem::path& path) {
   return parse_scene(std::move(text), name);
 }
 
+std::filesystem::path beside(const Scene& scene, const std::string& file) {
+  return std::filesystem::path(scene.path).parent_path() / file;
+}
+
 }  // namespace farhand

@@ -48,6 +48,10 @@ Scene load_scene(const std::filesystem::path& path);
 // The same for text already in memory; path is only named in messages.
 Scene parse_scene(std::string text, std::string path);
 
+// A file that a scene names is found from where the scene lies; one that the command line names,
+// from where the user stands.
+std::filesystem::path beside(const Scene& scene, const std::string& file);
+
 // FNV-1a (64 bit) of what both sides must agree on: the scene with every field marked local taken
 // out and every default written out, so that a field left out and its default given hash alike.
 // Present and absent messages differ, since presence means a stage. Local are descriptions, seeds,

@@ -1,13 +1,6 @@
 #include "common/scene_credentials.hpp"
 
 namespace farhand {
-namespace {
-
-std::filesystem::path beside(const Scene& scene, const std::string& file) {
-  return std::filesystem::path(scene.path).parent_path() / file;
-}
-
-}  // namespace
 
 std::filesystem::path key_path(const Scene& scene) {
   return beside(scene, scene.proto.link().key_file());

@@ -53,7 +53,11 @@ void master_rules(Rules& r) {
       "add falcon {} or twin_delta {}");
   rule<M>(
       r, "", [](const M& m) { return m.device_case() == M::DEVICE_NOT_SET; },
-      "has no device that moves the handle", "add sim_hand {}");
+      "has no device that moves the handle", "add sim_hand {}, or falcon_usb {} for a real Falcon");
+  rule<M>(
+      r, "falcon_usb", [](const M& m) { return m.has_falcon_usb() && !m.has_falcon(); },
+      "is a Falcon, and the handle is another",
+      "use falcon {} as the handle, or sim_hand {} as the device");
   rule<M>(
       r, "position_control",
       [](const M& m) { return m.has_position_control() && m.has_twin_delta(); },

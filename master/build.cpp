@@ -8,32 +8,13 @@
 #include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
 #include "master/build_compensation.hpp"
+#include "master/build_falcon.hpp"
 #include "master/build_force.hpp"
 #include "master/build_sim_hand.hpp"
 #include "master/build_values.hpp"
 
 namespace farhand {
 namespace {
-
-FalconGeometry falcon(const proto::Falcon& f) {
-  FalconGeometry g = kFalconTable1;
-  switch (f.geometry()) {
-    case proto::Falcon::TABLE1:
-      break;
-    case proto::Falcon::TABLE1_S0:
-      g = kFalconTable1S0;
-      break;
-    case proto::Falcon::TABLE1_FLIP:
-      g = kFalconTable1Flip;
-      break;
-    case proto::Falcon::LIBNIFALCON:
-      g = kFalconLibnifalcon;
-      break;
-  }
-  if (f.has_gear_ratio()) g.gear_ratio = f.gear_ratio();
-  if (f.has_angle_offset_deg()) g.angle_offset = radians(f.angle_offset_deg());
-  return g;
-}
 
 TwinDeltaGeometry twin_delta(const proto::TwinDelta& t) {
   TwinDeltaGeometry g = kTwinDelta;
@@ -137,7 +118,7 @@ MasterConfig master_config(const proto::Scene& scene) {
                  .velocity_cutoff_hz = m.velocity_cutoff_hz(),
                  .max_motor_torque = max_motor_torque(m)};
   if (m.has_falcon())
-    c.handle = FalconHandle{.geometry = falcon(m.falcon())};
+    c.handle = FalconHandle{.geometry = falcon_geometry(m.falcon())};
   else
     c.handle = TwinDeltaHandle{.geometry = twin_delta(m.twin_delta())};
   if (m.has_force_sensing())
@@ -168,11 +149,16 @@ MasterLoopConfig master_loop_config(const proto::Scene& scene) {
 AnyDevice make_device(const Scene& scene, const std::optional<std::string>& trace,
                       std::uint64_t seed) {
   const proto::Master& m = scene.proto.master();
+  if (m.has_falcon_usb()) {
+    if (trace) throw std::runtime_error("--trace moves a simulated hand, and this scene has none");
+    return AnyDevice(std::in_place_type<FalconUsb>, falcon_usb_config(scene));
+  }
   SimHandConfig c = sim_hand_config(scene, trace);
   c.seed = seed;
   c.max_motor_torque = max_motor_torque(m);
   if (m.has_falcon())
-    return AnyDevice(std::in_place_type<SimHand<FalconGeometry>>, falcon(m.falcon()), std::move(c));
+    return AnyDevice(std::in_place_type<SimHand<FalconGeometry>>, falcon_geometry(m.falcon()),
+                     std::move(c));
   return AnyDevice(std::in_place_type<SimHand<TwinDeltaGeometry>>, twin_delta(m.twin_delta()),
                    std::move(c));
 }
@@ -181,7 +167,10 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
   const proto::Master& m = scene.master();
   const char* handle = m.has_falcon() ? "falcon" : "twin_delta";
   std::vector<std::string> out;
-  out.push_back(fmt::format("device            read sim_hand at {:g} Hz", scene.rate_hz()));
+  out.push_back(fmt::format("device            read {} at {:g} Hz{}{}",
+                            m.has_falcon_usb() ? "falcon_usb" : "sim_hand", scene.rate_hz(),
+                            m.falcon_usb().has_calibration() ? ", calibrated as " : "",
+                            m.falcon_usb().calibration()));
   out.push_back(fmt::format("handle            {}: forward kinematics, velocity", handle));
   if (m.has_force_sensing())
     out.push_back(

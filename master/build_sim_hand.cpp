@@ -1,6 +1,5 @@
 #include "master/build_sim_hand.hpp"
 
-#include <filesystem>
 
 #include "common/scene_values.hpp"
 #include "master/build_values.hpp"
@@ -40,12 +39,6 @@ TraceConfig trace_config(const proto::Trace& t, const std::string& file) {
           .reach = t.reach_m(),
           .rotation_scale = t.rotation_scale(),
           .max_tilt = radians(t.max_tilt_deg())};
-}
-
-// A file named in a scene is found from where the scene lies, one named on the command line from
-// where the user stands.
-std::string beside(const Scene& scene, const std::string& file) {
-  return (std::filesystem::path(scene.path).parent_path() / file).string();
 }
 
 MotionConfig motion(const Scene& scene, const proto::Motion& m,

@@ -48,11 +48,15 @@ int main(int argc, char** argv) {
         Recorder<MasterRecord> recorder([&](const MasterRecord& r) {
           status.add(r);
           if (recording) recording->add(r);
+          if (const auto news = advice(device)) status.advise(*news);
         });
 
         announce(scene,
                  socket ? "slave at " + to_string(*socket->peer()) + with_credentials(secure.get())
                         : "no slave in this scene");
+        if (const auto& calibration = scene.proto.master().falcon_usb().calibration();
+            !calibration.empty())
+          status.advise("calibrated as " + calibration);
         start_realtime(realtime, is_real(device));
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
                    recorder)

@@ -74,6 +74,10 @@ void MasterStatus::watch_method(const MasterRecord& r) {
   spdlog::info("compensation: {}: {}", to_string(r.tick.out.method), method_reason_);
 }
 
+void MasterStatus::advise(const std::string& user) {
+  spdlog::info("device: {}", user);
+}
+
 void MasterStatus::add(const MasterRecord& r) {
   summary_.add(r.tick);
   watch_silence(r);

@@ -17,6 +17,7 @@ class MasterStatus {
  public:
   MasterStatus(std::uint64_t scene_hash, bool quiet) : watch_(scene_hash, quiet) {}
   void add(const MasterRecord& record);
+  void advise(const std::string& user);  // what the device asks of its user
   std::string final_table(std::uint64_t records_lost);
 
  private:

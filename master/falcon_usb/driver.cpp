@@ -37,6 +37,7 @@ void Driver::enter(Phase phase, TimePoint now) noexcept {
   arming_.forget();
   plausibility_.forget();
   if (phase != Phase::homed) sample_.reset();
+  if (!talking()) newest_.reset();
 }
 
 void Driver::fail(Trouble trouble, TimePoint now) noexcept {
@@ -86,6 +87,7 @@ void Driver::hear(const Event& event, TimePoint now) noexcept {
 
 void Driver::take(const Sample& sample, TimePoint now) noexcept {
   heard_ = now;
+  newest_ = sample;
   homed_ = sample.answer.homed;
   if (closing_ && ++last_answers_ >= kLastAnswers) return enter(Phase::closed, now);
   if (phase_ == Phase::probing) {

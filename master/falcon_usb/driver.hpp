@@ -67,7 +67,10 @@ class Driver {
   bool closed() const noexcept { return phase_ == Phase::closed && !busy_; }
 
   DriverStatus status() const noexcept;
+  // The last one that could be believed, once homed.
   const std::optional<Sample>& sample() const noexcept { return sample_; }
+  // The last one, whatever it says; none without a device that answers.
+  const std::optional<Sample>& newest() const noexcept { return newest_; }
 
  private:
   bool talking() const noexcept;
@@ -100,7 +103,7 @@ class Driver {
   TimePoint asked_{};        // the last question
   TimePoint homing_from_{};  // the homing bit is set from then on
   std::uint8_t homed_ = 0;
-  std::optional<Sample> sample_;
+  std::optional<Sample> sample_, newest_;
   Vec6 wanted_ = Vec6::Zero();
   TimePoint written_{};
   bool fresh_ = false;       // wanted_ has not left yet

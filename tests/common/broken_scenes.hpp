@@ -163,6 +163,8 @@ inline std::vector<BrokenScene> broken_scenes() {
            "joint_pid {} force_sensing {} }",
        "master.force_feedback.fade_ms", "would outlast the peer"},
       // ---- Falcon
+      {slave + "master { twin_delta {} @falcon_usb {} }", "master.falcon_usb",
+       "use falcon {} as the handle"},
       {with_falcon("sim_hand { twist_inertia_kg_m2: @1e-3 }"),
        "master.sim_hand.twist_inertia_kg_m2", "use the twin_delta"},
       {with_falcon("sim_hand { operator { twist_stiffness_newton_m_per_rad: @1 } }"),

@@ -1,6 +1,7 @@
 #include "tests/loop/loopback.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "common/scene_network.hpp"
 
@@ -15,6 +16,11 @@ constexpr std::uint64_t stream(std::uint64_t seed, Stream which) {
 
 AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
   if (options.device) return *options.device;
+  if (scene.proto.master().has_falcon_usb())
+    throw std::runtime_error(
+        scene.path +
+        ": master.falcon_usb is a real device, which knows no virtual time; run "
+        "farhand-master, or put sim_hand {} in its place");
   return make_device(scene, options.trace,
                      stream(options.seed.value_or(scene.proto.seed()), kHandStream));
 }

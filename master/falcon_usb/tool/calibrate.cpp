@@ -1,0 +1,200 @@
+#include <spdlog/fmt/fmt.h>
+
+#include <cstdio>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+
+#include "master/falcon_usb/calibration.hpp"
+#include "master/falcon_usb/tool/commands.hpp"
+#include "master/falcon_usb/tool/hold.hpp"
+
+namespace farhand::falcon_usb {
+namespace {
+
+constexpr Duration kHands = std::chrono::minutes(5);
+constexpr double kDegree = std::numbers::pi / 180;
+
+struct Table {
+  const char* name;  // as a scene says it
+  FalconGeometry geometry;
+};
+const Table kTables[] = {{"TABLE1", kFalconTable1},
+                         {"TABLE1_S0", kFalconTable1S0},
+                         {"TABLE1_FLIP", kFalconTable1Flip},
+                         {"LIBNIFALCON", kFalconLibnifalcon}};
+
+// Numbers of one line, or nothing if it holds anything else.
+std::optional<std::vector<double>> numbers(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<double> out;
+  for (double x = 0; in >> x;) out.push_back(x);
+  if (!in.eof()) return {};
+  return out;
+}
+
+// Mean encoder counts over half a second; the grip must rest.
+std::optional<Vec3> rest(Session& session) {
+  constexpr Duration kLook = std::chrono::milliseconds(500);
+  constexpr double kMostSpread = 20;  // [counts]
+  Vec3 sum = Vec3::Zero(), least = Vec3::Constant(1e9), most = -least;
+  int samples = 0;
+  std::optional<TimePoint> last;
+  session.run(kLook, [&](TimePoint) {
+    const auto& s = session.driver().sample();
+    if (!s || (last && s->at == *last)) return false;
+    last = s->at;
+    const auto& n = s->answer.encoders;
+    const Vec3 counts(n[0], n[1], n[2]);
+    sum += counts;
+    least = least.cwiseMin(counts);
+    most = most.cwiseMax(counts);
+    ++samples;
+    return false;
+  });
+  if (samples == 0 || (most - least).maxCoeff() > kMostSpread) return {};
+  return Vec3(sum / samples);
+}
+
+std::vector<KnownPose> poses(Session& session) {
+  std::puts(
+      "Known poses. Put the grip where you know its place: the corners of a box, holes of a jig.\n"
+      "Any origin will do; x is to the right, y up, z towards you. Four at least, eight are good,\n"
+      "far apart in all three directions. Type x y z in millimetres, nothing to end.");
+  std::vector<KnownPose> out;
+  for (;;) {
+    const std::string line = session.ask(fmt::format("pose {}:", out.size() + 1));
+    const auto p = numbers(line);
+    if (p && p->empty()) return out;
+    if (!p || p->size() != 3) {
+      std::puts("three numbers are needed, such as 0 50 20");
+      continue;
+    }
+    if (const auto counts = rest(session))
+      out.push_back({*counts, 1e-3 * Vec3((*p)[0], (*p)[1], (*p)[2])});
+    else
+      std::puts("the grip did not rest; once more");
+  }
+}
+
+// The best of the tables, each shown.
+struct Chosen {
+  const char* table;
+  GeometryFit fit;
+};
+Chosen choose(const std::vector<KnownPose>& known) {
+  std::optional<Chosen> best;
+  for (const Table& t : kTables) {
+    const GeometryFit fit = fit_geometry(t.geometry, known);
+    if (!fit.good) continue;
+    fmt::print("{:<12} gear ratio {:.3f} +- {:.3f}, offset {:.2f} +- {:.2f} deg, {:.2f} mm rms\n",
+               t.name, fit.geometry.gear_ratio, fit.gear_ratio_sd,
+               fit.geometry.angle_offset / kDegree, fit.angle_offset_sd / kDegree, 1e3 * fit.rms);
+    if (!best || fit.rms < best->fit.rms) best = {t.name, fit};
+  }
+  if (!best)
+    throw std::runtime_error(
+        "these poses do not tell the geometry: give at least four, far apart, in millimetres");
+  for (std::size_t i = 0; i < known.size(); ++i)
+    fmt::print("  pose {}: {:.2f} mm off\n", i + 1, 1e3 * best->fit.residuals[i]);
+  return *best;
+}
+
+// What holds the grip at the centre against a weight, in motor counts.
+std::optional<KnownLoad> carried(Session& session, const DriverConfig& config,
+                                 const FalconGeometry& geometry, double mass) {
+  constexpr Duration kSettle = std::chrono::seconds(6), kLook = std::chrono::seconds(2);
+  Hold hold(geometry);
+  hold.go(Vec3(0, 0, 0.115));
+  KnownLoad out{.mass = mass};
+  int samples = 0;
+  bool lost = false;
+  std::optional<TimePoint> last, from;
+  session.run(kSettle + kLook, [&](TimePoint now) {
+    const auto& s = session.driver().sample();
+    if (!s || (last && s->at == *last)) return false;
+    last = s->at;
+    if (!from) from = now;
+    const auto step = hold.step(now, session.driver().read(now));
+    session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
+    lost = !step || step->lost;
+    if (lost) return true;
+    if (now - *from < kSettle) return false;
+    out.p_MH += step->p_MH;
+    out.motors += config.counts_per_newton_meter * step->tau.head<3>();
+    ++samples;
+    return false;
+  });
+  if (last) session.driver().write(*last, Vec6::Zero());
+  if (lost || samples == 0) return {};
+  out.p_MH /= samples;
+  out.motors /= samples;
+  return out;
+}
+
+GainFit weigh(Session& session, const DriverConfig& config, const FalconGeometry& geometry) {
+  std::puts(
+      "Known weights. The motors hold the grip at the centre while a weight hangs on it by a "
+      "thread.\nType its mass in grams, 0 for none, at most 300; three different ones are good. "
+      "Nothing to end.");
+  session.reach(Phase::armed, kHands);
+  std::vector<KnownLoad> loads;
+  for (;;) {
+    const std::string line = session.ask(fmt::format("weight {}:", loads.size() + 1));
+    const auto grams = numbers(line);
+    if (grams && grams->empty()) break;
+    if (!grams || grams->size() != 1 || grams->front() < 0 || grams->front() > 300) {
+      std::puts("one number from 0 to 300 is needed");
+      continue;
+    }
+    session.reach(Phase::armed, kHands);
+    if (const auto load = carried(session, config, geometry, 1e-3 * grams->front()))
+      loads.push_back(*load);
+    else
+      std::puts("the grip was not held; let it go, hang a lighter weight, and once more");
+  }
+  const GainFit fit = fit_gain(geometry, loads);
+  if (!fit.good)
+    throw std::runtime_error("these weights do not tell: give two at least that differ by 20 g");
+  fmt::print("counts per N m {:.0f} +- {:.0f}, the grip itself {:.0f} g\n",
+             std::abs(fit.counts_per_newton_meter), fit.gain_sd, 1e3 * fit.grip_mass);
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    fmt::print("  weight {}: {:.3f} N off\n", i + 1, fit.residuals[i]);
+  if (fit.counts_per_newton_meter > 0)
+    throw std::runtime_error("the motors push the wrong way: no numbers are written");
+  return fit;
+}
+
+std::string lines(const CalibrateOptions& options, const Chosen& chosen,
+                  const std::optional<GainFit>& gain) {
+  std::string out = fmt::format(
+      "# Into master {{ }} of a scene.\nfalcon {{\n  geometry: {}\n  gear_ratio: {:.4f}\n  "
+      "angle_offset_deg: {:.3f}\n}}\nfalcon_usb {{\n  calibration: \"{}\"\n",
+      chosen.table, chosen.fit.geometry.gear_ratio, chosen.fit.geometry.angle_offset / kDegree,
+      options.name);
+  if (gain)
+    out +=
+        fmt::format("  counts_per_newton_meter: {:.0f}\n", std::abs(gain->counts_per_newton_meter));
+  return out + "}\n";
+}
+
+}  // namespace
+
+int calibrate(Session& session, const DriverConfig& config, const CalibrateOptions& options) {
+  session.reach(Phase::homed, kHands);
+  const Chosen chosen = choose(poses(session));
+  std::optional<GainFit> gain;
+  if (options.weights) gain = weigh(session, config, chosen.fit.geometry);
+  const std::string text = lines(options, chosen, gain);
+  if (!options.file) {
+    std::fputs(text.c_str(), stdout);
+    return 0;
+  }
+  std::ofstream out(*options.file);
+  if (!(out << text).flush()) throw std::runtime_error("cannot write " + *options.file);
+  std::printf("wrote %s; put its lines into the scene's master\n", options.file->c_str());
+  return 0;
+}
+
+}  // namespace farhand::falcon_usb

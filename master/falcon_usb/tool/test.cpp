@@ -1,0 +1,98 @@
+#include <cstdio>
+#include <stdexcept>
+
+#include "master/falcon_usb/tool/commands.hpp"
+#include "master/falcon_usb/tool/hold.hpp"
+
+namespace farhand::falcon_usb {
+namespace {
+
+constexpr Duration kHands = std::chrono::minutes(2);  // for what the user must do
+
+bool report(bool good, const std::string& what, const std::string& remedy) {
+  std::printf("%-6s %s%s%s\n", good ? "ok" : "FAILED", what.c_str(), good ? "" : ": ",
+              good ? "" : remedy.c_str());
+  return good;
+}
+
+bool exchange(Session& session) {
+  constexpr Duration kLook = std::chrono::seconds(5);
+  constexpr double kLeastRate = 900;
+  const ExchangeCounters before = session.driver().status().exchange;
+  session.run(kLook, [](TimePoint) { return false; });
+  const ExchangeCounters after = session.driver().status().exchange;
+  const double rate = static_cast<double>(after.accepted - before.accepted) / seconds(kLook);
+  const auto again = after.unanswered - before.unanswered;
+  return report(rate >= kLeastRate && again < 50,
+                std::to_string(static_cast<int>(rate)) + " exchanges per second, " +
+                    std::to_string(again) + " asked again",
+                "connect it without a hub, and see that no other program keeps the machine busy");
+}
+
+bool button(Session& session, const char* name, std::uint8_t bit) {
+  constexpr Duration kPatience = std::chrono::seconds(20);
+  std::fprintf(stderr, "press the %s button\n", name);
+  const bool seen = session.run(kPatience, [&](TimePoint) {
+    const auto& s = session.driver().newest();
+    return s && s->answer.buttons == bit;
+  });
+  return report(seen, std::string("button ") + name, "not seen alone within 20 s");
+}
+
+// How far from `to` the grip comes to rest; nothing if it was lost on the way.
+std::optional<double> drive(Session& session, Hold& hold, const Vec3& to) {
+  constexpr Duration kWay = std::chrono::milliseconds(2500);
+  hold.go(to);
+  std::optional<TimePoint> last;
+  std::optional<Hold::Step> step;
+  session.run(kWay, [&](TimePoint now) {
+    const auto& sample = session.driver().sample();
+    if (!sample || (last && sample->at == *last)) return false;
+    last = sample->at;
+    step = hold.step(now, session.driver().read(now));
+    session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
+    return step && step->lost;
+  });
+  session.driver().write(*last, Vec6::Zero());
+  if (!step || step->lost) return {};
+  return (step->p_MH - to).norm();
+}
+
+bool forces(Session& session, const FalconGeometry& geometry) {
+  constexpr double kReach = 0.015, kNear = 0.005;  // [m]
+  const Vec3 centre(0, 0, 0.115);
+  Hold hold(geometry);
+  bool good = true;
+  for (const Vec3& way : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0),
+                          Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
+    const auto off = drive(session, hold, centre + kReach * way);
+    char what[80];
+    std::snprintf(what, sizeof what, "driven to (%+.0f %+.0f %+.0f) mm of the centre, %.1f mm off",
+                  1e3 * kReach * way.x(), 1e3 * kReach * way.y(), 1e3 * kReach * way.z(),
+                  1e3 * off.value_or(0));
+    if (!report(off && *off < kNear, what,
+                off ? "weak motors, or something in the way"
+                    : "lost on the way: held by hand, weak, or pushed the wrong way"))
+      good = false;
+    if (!off) return false;
+  }
+  return good;
+}
+
+}  // namespace
+
+int test(Session& session, const FalconGeometry& geometry) {
+  session.reach(Phase::homed, kHands);
+  bool good = exchange(session);
+  for (const auto& [name, bit] :
+       {std::pair{"centre", kButtonCentre}, std::pair{"forward", kButtonForward},
+        std::pair{"plus (right)", kButtonPlus}, std::pair{"minus (left)", kButtonMinus}})
+    good = button(session, name, bit) && good;
+  std::fputs("now the motors: hold the grip lightly, make the gesture, and let the grip go\n",
+             stderr);
+  session.reach(Phase::armed, kHands);
+  good = forces(session, geometry) && good;
+  return good ? 0 : 1;
+}
+
+}  // namespace farhand::falcon_usb
