@@ -35,10 +35,10 @@ class FalconUsb::Shell {
   void write(TimePoint now, const Vec6& tau) noexcept { torques_.put({now, tau}); }
   std::optional<std::string> advice() {
     const falcon_usb::DriverStatus* news = statuses_.take();
-    if (news == nullptr || (news->phase == told_.phase && news->trouble == told_.trouble))
-      return {};
+    if (news == nullptr) return {};
+    if (told_ && news->phase == told_->phase && news->trouble == told_->trouble) return {};
     told_ = *news;
-    return falcon_usb::advice(told_);
+    return falcon_usb::advice(*told_);
   }
 
  private:
@@ -80,8 +80,8 @@ class FalconUsb::Shell {
   Newest<Read> readings_;
   Newest<Torque> torques_;
   Newest<falcon_usb::DriverStatus> statuses_;
-  Read last_;                      // the loop's
-  falcon_usb::DriverStatus told_;  // that of the thread that asks for advice
+  Read last_;                                     // the loop's
+  std::optional<falcon_usb::DriverStatus> told_;  // that of the thread that asks for advice
   std::atomic<bool> closing_{false};
   std::thread thread_;  // last, as it uses all of the above
 };

@@ -339,6 +339,7 @@ TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
                                         "seed",
                                         "duration_s",
                                         "master.sim_hand",
+                                        "master.falcon_usb",
                                         "slave.sim_arm",
                                         "link.slave_address",
                                         "link.master_address",
@@ -348,6 +349,7 @@ TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
                                         "link.to_slave",
                                         "link.to_master",
                                         "link.observer_address",
+                                        "master.falcon_usb",
                                         "master.realtime",
                                         "slave.realtime"};
   std::set<std::string> found;

@@ -60,8 +60,7 @@ void Session::turn(TimePoint now) {
 
 void Session::advise() {
   const DriverStatus status = driver_.status();
-  if (!first_ && status.phase == told_.phase && status.trouble == told_.trouble) return;
-  first_ = false;
+  if (told_ && status.phase == told_->phase && status.trouble == told_->trouble) return;
   told_ = status;
   if (status.phase == Phase::failed) throw std::runtime_error("the Falcon: " + advice(status));
   std::fprintf(stderr, "%s\n", advice(status).c_str());

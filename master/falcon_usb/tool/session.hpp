@@ -45,8 +45,7 @@ class Session {
   std::vector<std::byte> firmware_;
   UsbTransport transport_;
   Driver driver_;
-  DriverStatus told_;
-  bool first_ = true;
+  std::optional<DriverStatus> told_;
 };
 
 }  // namespace farhand::falcon_usb
