@@ -53,10 +53,7 @@ void Driver::start(TimePoint now) noexcept {
 }
 
 void Driver::hear(const Event& event, TimePoint now) noexcept {
-  if (phase_ == Phase::closed && event.kind != EventKind::sent) {
-    busy_ = busy_ && event.kind == EventKind::received;
-    return;
-  }
+  if (phase_ == Phase::closed) return;
   switch (event.kind) {
     case EventKind::attached:
       busy_ = uploaded_ = false;
@@ -66,12 +63,10 @@ void Driver::hear(const Event& event, TimePoint now) noexcept {
       return fail(trouble_of(event.refusal), now);
     case EventKind::sent:
       busy_ = false;
-      failed_requests_ = 0;
       return;
     case EventKind::failed:
       busy_ = false;
-      if (++failed_requests_ > kMostFailedRequests) return fail(Trouble::request_failed, now);
-      return start(now);
+      return begin_again(now);
     case EventKind::detached:
       busy_ = false;
       ++unplugged_;
@@ -85,11 +80,21 @@ void Driver::hear(const Event& event, TimePoint now) noexcept {
   }
 }
 
+// After a request that failed. While closing the zero torque must get through: it is said again as
+// an unanswered question is.
+void Driver::begin_again(TimePoint now) noexcept {
+  if (closing_ && (talking() || phase_ == Phase::probing)) return;
+  if (++failed_requests_ > kMostFailedRequests) return fail(Trouble::request_failed, now);
+  start(now);
+}
+
 void Driver::take(const Sample& sample, TimePoint now) noexcept {
   heard_ = now;
   newest_ = sample;
   homed_ = sample.answer.homed;
-  if (closing_ && ++last_answers_ >= kLastAnswers) return enter(Phase::closed, now);
+  failed_requests_ = 0;
+  const bool to_zero = sample.at - sample.age >= zero_from_;
+  if (to_zero && ++last_answers_ >= kLastAnswers) return enter(Phase::closed, now);
   if (phase_ == Phase::probing) {
     trouble_ = Trouble::none;
     enter(Phase::homing, now);
@@ -101,7 +106,9 @@ void Driver::take(const Sample& sample, TimePoint now) noexcept {
 }
 
 void Driver::judge(const Sample& sample, TimePoint now) noexcept {
-  if (plausibility_.accept(sample)) {
+  const Verdict verdict = plausibility_.judge(sample);
+  if (verdict == Verdict::first) return;
+  if (verdict == Verdict::plausible) {
     trouble_ = Trouble::none;
     sample_ = sample;
     if (phase_ == Phase::homed && arming_.step(sample.answer.buttons, now))
@@ -116,27 +123,46 @@ void Driver::judge(const Sample& sample, TimePoint now) noexcept {
 }
 
 std::optional<Request> Driver::next(TimePoint now) noexcept {
+  if (now >= time_up()) give_up(now);
   if (busy_) return {};
   const auto request = wish(now);
   busy_ = request.has_value();
   return request;
 }
 
+// When patience ends, whether or not a request is on its way.
+TimePoint Driver::time_up() const noexcept {
+  if (phase_ == Phase::closed) return TimePoint::max();
+  const bool may_drive = talking() || phase_ == Phase::setting_up || phase_ == Phase::probing;
+  if (closing_ && !may_drive) return TimePoint::min();
+  const TimePoint closed = closing_ ? close_by_ : TimePoint::max();
+  return talking() ? std::min(closed, heard_ + config_.silent) : closed;
+}
+
+void Driver::give_up(TimePoint now) noexcept {
+  if (closing_ && (!talking() || now >= close_by_)) return enter(Phase::closed, now);
+  trouble_ = Trouble::silent;
+  uploaded_ = false;
+  start(now);
+}
+
 std::optional<Request> Driver::wish(TimePoint now) noexcept {
-  if (closing_ && phase_ != Phase::closed && (!talking() || now >= close_by_))
-    enter(Phase::closed, now);
   if (phase_ == Phase::setting_up) {
     if (const auto request = take_first(set_up_)) return request;
     enter(Phase::probing, now);
   }
   if (phase_ == Phase::probing) return probe(now);
   if (phase_ == Phase::uploading) return upload(now);
-  return talking() ? talk(now) : std::nullopt;
+  return talking() && now >= ask_at() ? std::optional(ask(now)) : std::nullopt;
 }
 
 std::optional<Request> Driver::probe(TimePoint now) noexcept {
   if (now < entered_ + config_.probe_time)
     return exchange_.free(now) ? std::optional(ask(now)) : std::nullopt;
+  if (closing_) {
+    enter(Phase::closed, now);
+    return {};
+  }
   if (uploaded_ || config_.firmware.empty()) {
     fail(uploaded_ ? Trouble::not_running : Trouble::no_firmware, now);
     return {};
@@ -155,16 +181,6 @@ std::optional<Request> Driver::upload(TimePoint now) noexcept {
   return take_first(set_up_);
 }
 
-std::optional<Request> Driver::talk(TimePoint now) noexcept {
-  if (now >= heard_ + config_.silent) {
-    trouble_ = Trouble::silent;
-    uploaded_ = false;
-    start(now);
-    return take_first(set_up_);
-  }
-  return now >= ask_at() ? std::optional(ask(now)) : std::nullopt;
-}
-
 TimePoint Driver::ask_at() const noexcept {
   const TimePoint free = exchange_.free_at();
   const bool waits = config_.pacing == Pacing::loop && !fresh_;
@@ -175,6 +191,7 @@ Request Driver::ask(TimePoint now) noexcept {
   Command command{.homing = now >= homing_from_, .leds = closing_ ? std::uint8_t{0} : leds(phase_)};
   if (phase_ == Phase::armed)
     command.motors = motor_counts(torque(now), config_.counts_per_newton_meter);
+  if (closing_) zero_from_ = std::min(zero_from_, now);
   exchange_.asked(now);
   asked_ = now;
   fresh_ = false;
@@ -193,7 +210,10 @@ Vec3 Driver::torque(TimePoint now) noexcept {
 }
 
 TimePoint Driver::due() const noexcept {
-  if (busy_) return TimePoint::max();
+  return busy_ ? time_up() : std::min(time_up(), wish_at());
+}
+
+TimePoint Driver::wish_at() const noexcept {
   switch (phase_) {
     case Phase::setting_up:
       return TimePoint::min();
@@ -204,7 +224,7 @@ TimePoint Driver::due() const noexcept {
     case Phase::homing:
     case Phase::homed:
     case Phase::armed:
-      return std::min({ask_at(), heard_ + config_.silent, closing_ ? close_by_ : TimePoint::max()});
+      return ask_at();
     default:
       return TimePoint::max();
   }
@@ -232,7 +252,8 @@ void Driver::close(TimePoint now) noexcept {
   if (closing_) return;
   closing_ = true;
   close_by_ = now + config_.close_time;
-  last_answers_ = 0;
+  // The motors may hold a torque that was sent before the requests failed.
+  if (phase_ == Phase::failed && trouble_ == Trouble::request_failed) start(now);
 }
 
 DriverStatus Driver::status() const noexcept {

@@ -64,7 +64,8 @@ class Driver {
 
   // From now on zero torque only; closed after three answers to it, or close_time.
   void close(TimePoint now) noexcept;
-  bool closed() const noexcept { return phase_ == Phase::closed && !busy_; }
+  // A request may still be on its way: nothing follows it.
+  bool closed() const noexcept { return phase_ == Phase::closed; }
 
   DriverStatus status() const noexcept;
   // The last one that could be believed, once homed.
@@ -77,13 +78,16 @@ class Driver {
   void enter(Phase phase, TimePoint now) noexcept;
   void fail(Trouble trouble, TimePoint now) noexcept;
   void start(TimePoint now) noexcept;
+  void begin_again(TimePoint now) noexcept;
+  void give_up(TimePoint now) noexcept;
   void take(const Sample& sample, TimePoint now) noexcept;
   void judge(const Sample& sample, TimePoint now) noexcept;
   std::optional<Request> wish(TimePoint now) noexcept;
   std::optional<Request> probe(TimePoint now) noexcept;
   std::optional<Request> upload(TimePoint now) noexcept;
-  std::optional<Request> talk(TimePoint now) noexcept;
   Request ask(TimePoint now) noexcept;
+  TimePoint time_up() const noexcept;
+  TimePoint wish_at() const noexcept;
   TimePoint ask_at() const noexcept;
   Vec3 torque(TimePoint now) noexcept;
 
@@ -95,9 +99,9 @@ class Driver {
   std::span<const Control> set_up_;
   Phase phase_ = Phase::absent;
   Trouble trouble_ = Trouble::none;
-  bool busy_ = false;      // a request is on its way
-  bool uploaded_ = false;  // since it was plugged in or fell silent
-  int failed_requests_ = 0;
+  bool busy_ = false;        // a request is on its way
+  bool uploaded_ = false;    // since it was plugged in or fell silent
+  int failed_requests_ = 0;  // since the last answer
   TimePoint entered_{};      // the phase
   TimePoint heard_{};        // the last answer
   TimePoint asked_{};        // the last question
@@ -110,7 +114,8 @@ class Driver {
   Vec6 tau_ = Vec6::Zero();  // sent last
   bool closing_ = false;
   TimePoint close_by_{};
-  int last_answers_ = 0;  // to zero torque, while closing
+  TimePoint zero_from_ = TimePoint::max();  // the first question asked while closing
+  int last_answers_ = 0;                    // to those
   std::uint64_t implausible_ = 0;
   std::uint64_t unplugged_ = 0;
 };

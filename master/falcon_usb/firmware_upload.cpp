@@ -52,15 +52,14 @@ void FirmwareUpload::enter(Step step, TimePoint now) noexcept {
 
 void FirmwareUpload::give_up(UploadFault fault, TimePoint now) noexcept {
   fault_ = fault;
-  if (attempt_ < config_.attempts)
-    begin(now);
-  else
-    step_ = Step::failed;
+  if (attempt_ < config_.attempts) return begin(now);
+  step_ = Step::failed;
 }
 
 std::optional<Request> FirmwareUpload::next(TimePoint now) noexcept {
-  if (step_ == Step::greet && now >= attempt_end_) give_up(UploadFault::no_greeting, now);
-  if (step_ == Step::stream && now >= attempt_end_) give_up(UploadFault::echo_missing, now);
+  if (succeeded() || failed()) return {};
+  if (now >= attempt_end_) give_up(missing(), now);
+  if (failed()) return {};
   if (const auto request = take_first(set_up_)) return request;
   switch (step_) {
     case Step::greet:
@@ -76,8 +75,14 @@ std::optional<Request> FirmwareUpload::next(TimePoint now) noexcept {
       return {};
   }
   if (now < answer_due_) return {};
-  give_up(step_ == Step::hurry ? UploadFault::no_fast_mode : UploadFault::echo_missing, now);
+  give_up(missing(), now);
   return take_first(set_up_);
+}
+
+// What did not come in this step.
+UploadFault FirmwareUpload::missing() const noexcept {
+  if (step_ == Step::greet) return UploadFault::no_greeting;
+  return step_ == Step::hurry ? UploadFault::no_fast_mode : UploadFault::echo_missing;
 }
 
 std::optional<Request> FirmwareUpload::ask(std::span<const std::byte> bytes,

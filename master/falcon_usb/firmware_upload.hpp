@@ -57,6 +57,7 @@ class FirmwareUpload {
   void enter(Step step, TimePoint now) noexcept;
   std::optional<Request> ask(std::span<const std::byte> bytes, TimePoint now) noexcept;
   std::optional<Request> next_chunk(TimePoint now) noexcept;
+  UploadFault missing() const noexcept;
 
   UploadConfig config_;
   std::span<const std::byte> image_;

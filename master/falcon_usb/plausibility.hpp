@@ -3,7 +3,6 @@
 // seen here and nowhere else.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
@@ -19,18 +18,27 @@ struct PlausibilityConfig {
   int in_a_row = 4;        // so many implausible ones mean that the encoders' zero has jumped
 };
 
+enum class Verdict : std::uint8_t {
+  plausible,
+  first,  // nothing to judge it by: the next one must agree
+  implausible,
+};
+
 class Plausibility {
  public:
   Plausibility(const PlausibilityConfig& config, const FalconGeometry& geometry) noexcept
       : config_(config), counts_per_s_(config.max_rate / theta1_quantum(geometry)) {}
 
-  void forget() noexcept { last_.reset(), bad_ = 0; }
-  // Judges against the last one accepted; the first one is only checked for reach.
-  bool accept(const Sample& sample) noexcept {
-    const bool good = reachable(sample) && near_last(sample);
+  void forget() noexcept { last_.reset(), confirmed_ = false, bad_ = 0; }
+  // Judges against the last plausible one. As long as no two agree, each is judged by the one
+  // before.
+  Verdict judge(const Sample& sample) noexcept {
+    const bool first = !last_, in_reach = reachable(sample), good = in_reach && near_last(sample);
+    if (good || (!confirmed_ && in_reach)) last_ = sample;
+    if (good && first) return Verdict::first;
+    confirmed_ = confirmed_ || good;
     bad_ = good ? 0 : bad_ + 1;
-    if (good) last_ = sample;
-    return good;
+    return good ? Verdict::plausible : Verdict::implausible;
   }
   bool jumped() const noexcept { return bad_ >= config_.in_a_row; }
 
@@ -53,7 +61,8 @@ class Plausibility {
   PlausibilityConfig config_;
   double counts_per_s_;
   std::optional<Sample> last_;
-  int bad_ = 0;
+  bool confirmed_ = false;  // last_ agreed with one before it
+  int bad_ = 0;             // in a row
 };
 
 }  // namespace farhand::falcon_usb

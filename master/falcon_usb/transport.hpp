@@ -3,11 +3,13 @@
 //
 // A transport keeps a read pending whenever a device is attached and reports every packet that
 // comes in, whole. It takes one request at a time: the next one after `sent` or `failed`, at most
-// one second later. Nothing blocks, and nothing allocates once it is made.
+// kDataTime later for bytes, kControlTime for a control. Nothing blocks, and nothing allocates once
+// it is made.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +21,10 @@
 namespace farhand::falcon_usb {
 
 inline constexpr std::size_t kUsbPacketBytes = 64;  // of both bulk endpoints
+
+// After so long a request is given up. Bytes may be torques, which soon are no longer wanted.
+inline constexpr auto kDataTime = std::chrono::milliseconds(5);
+inline constexpr auto kControlTime = std::chrono::milliseconds(1000);
 
 // Up to one packet of bytes.
 struct UsbBytes {

@@ -12,10 +12,11 @@ constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
 constexpr int kInterface = 0;
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 constexpr std::uint8_t kVendorRequest = 0x40;
-constexpr unsigned kRequestMs = 1000, kNoTimeout = 0;
+constexpr unsigned kNoTimeout = 0;
 constexpr Duration kLookEvery = std::chrono::milliseconds(250);
 constexpr std::size_t kReserved = 8;  // places in the queue for what is not a packet
 constexpr int kMostCloseWaits = 20;
+constexpr int kMostMended = 8;
 
 Refusal refusal(int error) noexcept {
   if (error == LIBUSB_ERROR_ACCESS) return Refusal::permission;
@@ -45,8 +46,15 @@ UsbTransport::UsbTransport(std::string serial) : serial_(std::move(serial)) {
 UsbTransport::~UsbTransport() {
   gone_ = true;
   for (int i = 0; i < kMostCloseWaits && handle_ != nullptr; ++i) {
-    settle();
+    settle(request_until_);
     if (handle_ != nullptr) handle_events(context_, std::chrono::milliseconds(10));
+  }
+  if (handle_ != nullptr) {
+    // The kernel does not give the transfers back, and libusb still has them in its lists: leaked,
+    // with its context, rather than freed under its hands.
+    if (request_pending_) request_.release();
+    for (TransferPtr& read : reads_) read.release();
+    return;
   }
   request_.reset();
   for (TransferPtr& read : reads_) read.reset();
@@ -55,89 +63,119 @@ UsbTransport::~UsbTransport() {
 
 void UsbTransport::wait(Duration most, TimePoint now) {
   if (handle_ == nullptr && now >= look_at_) look(now);
+  mend();
+  if (request_pending_) most = std::clamp(request_until_ - now, Duration::zero(), most);
   if (size_ == 0) handle_events(context_, most);
-  settle();
+  settle(now);
 }
 
 void UsbTransport::look(TimePoint now) {
   look_at_ = now + kLookEvery;
   libusb_device** list = nullptr;
   const ssize_t count = libusb_get_device_list(context_, &list);
-  libusb_device* found = nullptr;
-  for (ssize_t i = 0; i < count && found == nullptr; ++i)
-    if (matches(list[i])) found = list[i];
-  if (found == nullptr)
-    refused_ = Refusal::none;
-  else
-    open(found);
+  Refusal why = Refusal::none;
+  for (ssize_t i = 0; i < count && handle_ == nullptr; ++i) {
+    if (!is_falcon(list[i])) continue;
+    const Refusal refused = open(list[i]);
+    if (why == Refusal::none) why = refused;
+  }
   if (list != nullptr) libusb_free_device_list(list, 1);
+  if (handle_ != nullptr) return attach();
+  refuse(why);
 }
 
-// Only an open device tells its serial number; one that cannot be opened is taken to match, so that
-// the reason is said.
-bool UsbTransport::matches(libusb_device* device) const noexcept {
+bool UsbTransport::is_falcon(libusb_device* device) const noexcept {
   libusb_device_descriptor d{};
   if (libusb_get_device_descriptor(device, &d) != LIBUSB_SUCCESS) return false;
-  if (d.idVendor != kVendor || d.idProduct != kProduct) return false;
-  libusb_device_handle* handle = nullptr;
-  if (serial_.empty() || libusb_open(device, &handle) != LIBUSB_SUCCESS) return true;
-  std::array<unsigned char, 128> text{};
-  const int length = libusb_get_string_descriptor_ascii(handle, d.iSerialNumber, text.data(),
-                                                        static_cast<int>(text.size()));
-  libusb_close(handle);
-  return length > 0 && serial_ == std::string(text.begin(), text.begin() + length);
+  return d.idVendor == kVendor && d.idProduct == kProduct;
 }
 
-void UsbTransport::open(libusb_device* device) noexcept {
-  const Refusal why = claim(device);
-  if (why != Refusal::none) {
-    if (why != refused_) push({.kind = EventKind::refused, .refusal = why});
-    refused_ = why;
-    return;
-  }
-  refused_ = Refusal::none;
-  gone_ = false;
-  push({.kind = EventKind::attached});
-  for (std::size_t i = 0; i < kReads; ++i) {
-    libusb_fill_bulk_transfer(reads_[i].get(), handle_, kIn, read_bytes_[i].data(),
-                              static_cast<int>(kUsbPacketBytes), heard, this, kNoTimeout);
-    if (!start(reads_[i].get())) gone_ = true;
-  }
-}
-
-Refusal UsbTransport::claim(libusb_device* device) noexcept {
-  if (const int error = libusb_open(device, &handle_); error != LIBUSB_SUCCESS) {
+// Leaves handle_ open if it is the one looked for and could be had. Only an open device tells its
+// serial number; one that cannot be opened is taken to be it, so that the reason is said.
+Refusal UsbTransport::open(libusb_device* device) noexcept {
+  int error = libusb_open(device, &handle_);
+  if (error != LIBUSB_SUCCESS) {
     handle_ = nullptr;
     return refusal(error);
   }
-  libusb_set_auto_detach_kernel_driver(handle_, 1);
-  const int error = libusb_claim_interface(handle_, kInterface);
-  if (error == LIBUSB_SUCCESS) return Refusal::none;
+  if (has_serial()) {
+    libusb_set_auto_detach_kernel_driver(handle_, 1);
+    error = libusb_claim_interface(handle_, kInterface);
+    if (error == LIBUSB_SUCCESS) return Refusal::none;
+  }
   libusb_close(std::exchange(handle_, nullptr));
-  return refusal(error);
+  return error == LIBUSB_SUCCESS ? Refusal::none : refusal(error);
 }
 
-bool UsbTransport::start(libusb_transfer* transfer) noexcept {
-  const int error = libusb_submit_transfer(transfer);
-  pending_ += error == LIBUSB_SUCCESS;
-  return error == LIBUSB_SUCCESS;
+bool UsbTransport::has_serial() const noexcept {
+  if (serial_.empty()) return true;
+  libusb_device_descriptor d{};
+  libusb_get_device_descriptor(libusb_get_device(handle_), &d);
+  std::array<unsigned char, 128> text{};
+  const int length = libusb_get_string_descriptor_ascii(handle_, d.iSerialNumber, text.data(),
+                                                        static_cast<int>(text.size()));
+  return length > 0 && serial_ == std::string(text.begin(), text.begin() + length);
 }
 
-void UsbTransport::submit(const Request& request, TimePoint) noexcept {
+void UsbTransport::refuse(Refusal why) noexcept {
+  if (why != Refusal::none && why != refused_) push({.kind = EventKind::refused, .refusal = why});
+  refused_ = why;
+}
+
+void UsbTransport::attach() noexcept {
+  refused_ = Refusal::none;
+  reads_failed_ = write_halted_ = false;
+  mended_ = 0;
+  push({.kind = EventKind::attached});
+  for (std::size_t i = 0; i < kReads; ++i)
+    libusb_fill_bulk_transfer(reads_[i].get(), handle_, kIn, read_bytes_[i].data(),
+                              static_cast<int>(kUsbPacketBytes), heard, this, kNoTimeout);
+  gone_ = !start_reads();
+}
+
+// Clears an endpoint that does not read or write any more, once nothing is pending on it.
+void UsbTransport::mend() noexcept {
+  if (handle_ == nullptr || gone_) return;
+  if (!request_pending_ && std::exchange(write_halted_, false)) libusb_clear_halt(handle_, kOut);
+  if (!reads_failed_) return;
+  if (pending_reads_ > 0) return cancel_reads();
+  reads_failed_ = false;
+  const bool mended = ++mended_ <= kMostMended &&
+                      libusb_clear_halt(handle_, kIn) == LIBUSB_SUCCESS && start_reads();
+  gone_ = gone_ || !mended;
+}
+
+bool UsbTransport::start_reads() noexcept {
+  return std::all_of(reads_.begin(), reads_.end(),
+                     [this](auto& read) { return start_read(read.get()); });
+}
+
+bool UsbTransport::start_read(libusb_transfer* read) noexcept {
+  const bool started = libusb_submit_transfer(read) == LIBUSB_SUCCESS;
+  pending_reads_ += started;
+  return started;
+}
+
+void UsbTransport::cancel_reads() noexcept {
+  for (const TransferPtr& read : reads_) libusb_cancel_transfer(read.get());
+}
+
+void UsbTransport::submit(const Request& request, TimePoint now) noexcept {
   if (handle_ == nullptr || gone_) return;
   unsigned char* bytes = request_bytes_.data();
   if (request.is_control) {
     libusb_fill_control_setup(bytes, kVendorRequest, request.control.request, request.control.value,
                               0, 0);
-    libusb_fill_control_transfer(request_.get(), handle_, bytes, done, this, kRequestMs);
+    libusb_fill_control_transfer(request_.get(), handle_, bytes, done, this, kNoTimeout);
   } else {
     std::transform(request.data.view().begin(), request.data.view().end(), bytes,
                    [](std::byte b) { return std::to_integer<unsigned char>(b); });
     libusb_fill_bulk_transfer(request_.get(), handle_, kOut, bytes,
-                              static_cast<int>(request.data.size), done, this, kRequestMs);
+                              static_cast<int>(request.data.size), done, this, kNoTimeout);
   }
   const int error = libusb_submit_transfer(request_.get());
-  pending_ += error == LIBUSB_SUCCESS;
+  request_pending_ = error == LIBUSB_SUCCESS;
+  request_until_ = now + (request.is_control ? Duration(kControlTime) : Duration(kDataTime));
   if (error == LIBUSB_ERROR_NO_DEVICE)
     gone_ = true;
   else if (error != LIBUSB_SUCCESS)
@@ -146,28 +184,33 @@ void UsbTransport::submit(const Request& request, TimePoint) noexcept {
 
 void UsbTransport::done(libusb_transfer* t) {
   auto& self = *static_cast<UsbTransport*>(t->user_data);
-  --self.pending_;
+  self.request_pending_ = false;
   if (t->status == LIBUSB_TRANSFER_NO_DEVICE) self.gone_ = true;
   if (self.gone_) return;
   const bool control = t->type == LIBUSB_TRANSFER_TYPE_CONTROL;
-  const bool all = control || t->actual_length == t->length;
-  const bool sent = t->status == LIBUSB_TRANSFER_COMPLETED && all;
+  if (!control && t->status == LIBUSB_TRANSFER_STALL) self.write_halted_ = true;
+  // Bytes that had all left when this thread came late are sent, though they were given up.
+  const bool sent =
+      control ? t->status == LIBUSB_TRANSFER_COMPLETED : t->actual_length == t->length;
   self.push({.kind = sent ? EventKind::sent : EventKind::failed});
 }
 
 void UsbTransport::heard(libusb_transfer* t) {
   auto& self = *static_cast<UsbTransport*>(t->user_data);
-  --self.pending_;
+  --self.pending_reads_;
+  const bool completed = t->status == LIBUSB_TRANSFER_COMPLETED;
   if (t->status == LIBUSB_TRANSFER_NO_DEVICE) self.gone_ = true;
   if (self.gone_) return;
-  if (t->status == LIBUSB_TRANSFER_COMPLETED && t->actual_length > 0) {
+  if (completed && t->actual_length > 0) {
+    self.mended_ = 0;
     Event event{.kind = EventKind::received};
     event.packet.size = static_cast<std::size_t>(t->actual_length);
     std::transform(t->buffer, t->buffer + t->actual_length, event.packet.bytes.begin(),
                    [](unsigned char b) { return std::byte{b}; });
     self.push(event);
   }
-  if (!self.start(t)) self.gone_ = true;
+  self.reads_failed_ = self.reads_failed_ || !completed;
+  if (!self.reads_failed_ && !self.start_read(t)) self.gone_ = true;
 }
 
 void UsbTransport::push(const Event& event) noexcept {
@@ -179,9 +222,9 @@ void UsbTransport::push(const Event& event) noexcept {
   events_[(first_ + size_++) % events_.size()] = event;
 }
 
-const Event* UsbTransport::next_event(TimePoint) noexcept {
+const Event* UsbTransport::next_event(TimePoint now) noexcept {
   if (size_ == 0) handle_events(context_, Duration::zero());
-  settle();
+  settle(now);
   if (size_ == 0) return nullptr;
   event_ = events_[first_];
   first_ = (first_ + 1) % events_.size();
@@ -189,12 +232,17 @@ const Event* UsbTransport::next_event(TimePoint) noexcept {
   return &event_;
 }
 
-// A device that is gone is closed once no transfer of it is pending.
-void UsbTransport::settle() noexcept {
+// A request whose time is up is given up. A device that is gone is closed once no transfer of it is
+// pending.
+void UsbTransport::settle(TimePoint now) noexcept {
+  if (request_pending_ && now >= request_until_) {
+    request_until_ = TimePoint::max();  // once
+    libusb_cancel_transfer(request_.get());
+  }
   if (!gone_ || handle_ == nullptr) return;
-  if (pending_ == 0) return close();
+  if (!request_pending_ && pending_reads_ == 0) return close();
   libusb_cancel_transfer(request_.get());
-  for (const TransferPtr& read : reads_) libusb_cancel_transfer(read.get());
+  cancel_reads();
 }
 
 void UsbTransport::close() noexcept {

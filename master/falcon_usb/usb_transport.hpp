@@ -1,9 +1,12 @@
 // The transport over libusb: a Falcon found by vendor, product and, if given, serial number, and
-// found again whenever it is plugged in. Asynchronous transfers, with reads always pending.
+// found again whenever it is plugged in. Of several the first that can be had. Asynchronous
+// transfers, with reads always pending; errors of reading are mended a few times, then the device
+// counts as gone and is looked for anew. A request's time is up in `now`, not by libusb's clock.
 //
 // Everything happens on the thread that calls wait(), submit() and next_event(). Only wait() may
-// block: it also looks for the device, which submit() and next_event() never do. libusb itself
-// allocates whenever a transfer is submitted. That thread is therefore not the control loop's.
+// block: it also looks for the device and mends, which submit() and next_event() never do. libusb
+// itself allocates whenever a transfer is submitted. That thread is therefore not the control
+// loop's.
 #pragma once
 
 #include <array>
@@ -45,11 +48,16 @@ class UsbTransport {
   static void done(libusb_transfer* transfer);
   static void heard(libusb_transfer* transfer);
   void look(TimePoint now);
-  bool matches(libusb_device* device) const noexcept;
-  void open(libusb_device* device) noexcept;
-  Refusal claim(libusb_device* device) noexcept;
-  bool start(libusb_transfer* transfer) noexcept;
-  void settle() noexcept;
+  bool is_falcon(libusb_device* device) const noexcept;
+  bool has_serial() const noexcept;
+  Refusal open(libusb_device* device) noexcept;
+  void refuse(Refusal why) noexcept;
+  void attach() noexcept;
+  void mend() noexcept;
+  bool start_read(libusb_transfer* read) noexcept;
+  bool start_reads() noexcept;
+  void cancel_reads() noexcept;
+  void settle(TimePoint now) noexcept;
   void close() noexcept;
   void push(const Event& event) noexcept;
 
@@ -60,8 +68,12 @@ class UsbTransport {
   std::array<TransferPtr, kReads> reads_;
   std::array<unsigned char, kSetupBytes + kUsbPacketBytes> request_bytes_{};
   std::array<std::array<unsigned char, kUsbPacketBytes>, kReads> read_bytes_{};
-  int pending_ = 0;  // transfers
+  bool request_pending_ = false;
+  TimePoint request_until_{};
+  int pending_reads_ = 0;
   bool gone_ = false;
+  bool reads_failed_ = false, write_halted_ = false;
+  int mended_ = 0;  // since the last packet
   TimePoint look_at_ = TimePoint::min();
   Refusal refused_ = Refusal::none;  // said already
   std::array<Event, 64> events_{};

@@ -1,6 +1,8 @@
 // An emulated Falcon and who talks to it, under virtual time.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,7 +10,7 @@
 #include <vector>
 
 #include "common/geometry.hpp"
-#include "master/falcon_usb/emulator.hpp"
+#include "master/falcon_usb/emulator/emulator.hpp"
 
 namespace farhand::falcon_usb {
 
@@ -16,14 +18,16 @@ using namespace std::chrono_literals;
 
 inline constexpr TimePoint kStart{1234567s};  // any: only differences count
 
-// Lets both live until `end`, each called when it wants to be: a shell that wakes at once.
+// Lets both live until `end`, each called when it wants to be: a shell that wakes at once. What is
+// brought up to date wants to be called later.
 template <Talker D>
 void run(Emulator& emulator, D& talker, TimePoint& now, TimePoint end) {
   while (true) {
     pump(emulator, talker, now);
-    const TimePoint next = std::max(now, std::min(emulator.due(), talker.due()));
+    const TimePoint next = std::min(emulator.due(), talker.due());
+    ASSERT_GT(next, now);
     if (next > end) break;
-    now = std::max(next, now + 1ns);
+    now = next;
   }
   now = end;
 }

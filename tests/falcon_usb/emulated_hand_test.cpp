@@ -1,5 +1,5 @@
 // The simulated hand and handle behind the emulated USB.
-#include "master/falcon_usb/emulated_hand.hpp"
+#include "master/falcon_usb/emulator/emulated_hand.hpp"
 
 #include <gtest/gtest.h>
 

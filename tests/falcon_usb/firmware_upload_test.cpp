@@ -120,6 +120,23 @@ TEST(FirmwareUpload, PowerLostHalfWayIsSaidAtOnce) {
   EXPECT_LE(u.now - cut, UploadConfig{}.answer_time + 1ms);
 }
 
+// The greeting's answer came late, the one to the 'A' not at all.
+TEST(FirmwareUpload, AnAttemptsTimeEndsItInEveryStep) {
+  const auto image = firmware_image(10);
+  FirmwareUpload upload({.attempts = 1, .attempt_time = 60ms}, image, kStart);
+  const auto ask_all = [&](TimePoint now) {
+    while (upload.next(now)) continue;
+    EXPECT_GT(upload.due(), now);
+  };
+  ask_all(kStart);
+  upload.hear(std::as_bytes(std::span("\x0a\x44\x2c\x0d", 4)), kStart + 40ms);
+  ask_all(kStart + 40ms);
+  EXPECT_FALSE(upload.failed());
+  ask_all(kStart + 61ms);
+  EXPECT_TRUE(upload.failed());
+  EXPECT_EQ(upload.fault(), UploadFault::no_fast_mode);
+}
+
 TEST(FirmwareUpload, AnEmptyImageIsRefused) {
   const FirmwareUpload upload({}, {}, kStart);
   EXPECT_TRUE(upload.failed());

@@ -102,7 +102,9 @@ TEST(FalconStress, NoSampleIsWrongAndALostAnswerIsMadeGoodWithin5Ms) {
 TEST(FalconStress, TorqueLeavesOnlyWhileArmedWhateverHappens) {
   Stress s(3);
   Rig& rig = s.rig;
-  rig.emulator.set_faults(kSerial, kBus);
+  BusFaults bus = kBus;
+  bus.failed = bus.hung = 0.0002;
+  rig.emulator.set_faults(kSerial, bus);
   Random random(3);
   const auto once_in = [&](int n) { return random.uniform() * n < 1; };
   TimePoint armed_at = rig.now;

@@ -1,4 +1,4 @@
-#include "master/falcon_usb/emulator.hpp"
+#include "master/falcon_usb/emulator/emulator.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -17,33 +17,50 @@ constexpr std::array kStatus{std::byte{0x31}, std::byte{0x60}};
 Emulator::Emulator(const EmulatorConfig& config, Mechanism mechanism)
     : config_(config),
       processor_(config.processor, std::move(mechanism), config.seed),
-      random_(config.seed + 1) {}
+      packets_random_(config.seed + 1),
+      requests_random_(config.seed + 2) {}
 
 void Emulator::plug(TimePoint now, bool power_kept, Refusal refusal) noexcept {
   if (!power_kept) processor_.power_on();
+  reset_chip(now);
   on_bus_ = refusal == Refusal::none;
-  latency_ = kDefaultLatency;
-  timer_ = now + latency_;
-  dtr_ = false;
   const EventKind kind = on_bus_ ? EventKind::attached : EventKind::refused;
   bus_event_ = Event{.kind = kind, .refusal = refusal};
   bus_event_at_ = now + config_.transfer_time;
 }
 
-void Emulator::unplug(TimePoint now) noexcept {
-  on_bus_ = false;
+// The bus feeds it: it remembers nothing.
+void Emulator::reset_chip(TimePoint now) noexcept {
   request_.reset();
   arriving_.reset();
   to_processor_.clear();
   from_processor_.clear();
+  divisor_ = 0;
+  dtr_ = false;
+  latency_ = kDefaultLatency;
+  timer_ = now + latency_;
+}
+
+void Emulator::unplug(TimePoint now) noexcept {
+  on_bus_ = false;
+  reset_chip(now);
   bus_event_ = Event{.kind = EventKind::detached};
   bus_event_at_ = now;
 }
 
 void Emulator::submit(const Request& request, TimePoint now) noexcept {
   if (!on_bus_) return;
+  const BusFaults& faults = config_.faults;
+  const bool fails = requests_random_.uniform() < faults.failed;
+  const bool hangs = requests_random_.uniform() < faults.hung && strikes(request);
   request_ = request;
-  request_end_ = now + config_.transfer_time;
+  request_fails_ = hangs || (fails && strikes(request));
+  request_end_ = now + (hangs ? faults.hang_time : config_.transfer_time);
+}
+
+bool Emulator::strikes(const Request& request) const noexcept {
+  const RequestKind struck = config_.faults.struck;
+  return struck == RequestKind::any || (struck == RequestKind::control) == request.is_control;
 }
 
 Duration Emulator::byte_time() const noexcept {
@@ -86,8 +103,8 @@ bool Emulator::step(TimePoint at) noexcept {
     return true;
   }
   if (request_ && request_end_ <= at) {
+    event_ = {.kind = request_fails_ ? EventKind::failed : EventKind::sent};
     finish_request(at);
-    event_ = {.kind = EventKind::sent};
     return true;
   }
   hand_over(at);
@@ -96,6 +113,7 @@ bool Emulator::step(TimePoint at) noexcept {
 
 void Emulator::finish_request(TimePoint at) noexcept {
   const Request request = *std::exchange(request_, std::nullopt);
+  if (request_fails_) return;
   if (request.is_control) return apply(request.control, at);
   for (const std::byte b : request.data.view()) to_processor_.push(b, at, byte_time());
 }
@@ -115,9 +133,9 @@ void Emulator::apply(const Control& control, TimePoint at) noexcept {
 
 void Emulator::hand_over(TimePoint at) noexcept {
   const std::size_t there = std::min(from_processor_.through(at), kFtdiPayloadBytes);
-  const bool held = random_.uniform() < config_.faults.held;
-  const bool split = random_.uniform() < config_.faults.split;
-  const std::size_t part = random_.bits() % (there + 1);
+  const bool held = packets_random_.uniform() < config_.faults.held;
+  const bool split = packets_random_.uniform() < config_.faults.split;
+  const std::size_t part = packets_random_.bits() % (there + 1);
   arriving_ = Event{.kind = EventKind::received};
   UsbBytes& packet = arriving_->packet;
   std::copy(kStatus.begin(), kStatus.end(), packet.bytes.begin());

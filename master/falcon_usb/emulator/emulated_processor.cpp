@@ -1,4 +1,4 @@
-#include "master/falcon_usb/emulated_processor.hpp"
+#include "master/falcon_usb/emulator/emulated_processor.hpp"
 
 #include <string_view>
 #include <utility>

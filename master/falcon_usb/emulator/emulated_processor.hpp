@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "common/random.hpp"
+#include "master/falcon_usb/emulator/serial_line.hpp"
 #include "master/falcon_usb/packet.hpp"
-#include "master/falcon_usb/serial_line.hpp"
 
 namespace farhand::falcon_usb {
 

@@ -6,15 +6,22 @@
 // RTS and CTS, and what the real boot loader checks.
 #pragma once
 
-#include "master/falcon_usb/emulated_processor.hpp"
+#include "master/falcon_usb/emulator/emulated_processor.hpp"
 #include "master/falcon_usb/transport.hpp"
 
 namespace farhand::falcon_usb {
 
-// Chances per packet from the chip.
+enum class RequestKind : std::uint8_t { any, write, control };
+
 struct BusFaults {
+  // Chances per packet from the chip.
   double split = 0;  // it carries only some of what is there, the next one the rest
   double held = 0;   // it carries nothing, the next one twice as much
+  // Chances per request of the kind struck, which then has no effect.
+  double failed = 0;  // it fails
+  double hung = 0;    // it fails after hang_time
+  Duration hang_time = kDataTime;
+  RequestKind struck = RequestKind::any;
 };
 
 struct EmulatorConfig {
@@ -49,7 +56,9 @@ class Emulator {
   const EmulatedProcessor& processor() const noexcept { return processor_; }
 
  private:
+  void reset_chip(TimePoint now) noexcept;
   bool step(TimePoint now) noexcept;
+  bool strikes(const Request& request) const noexcept;
   void finish_request(TimePoint at) noexcept;
   void apply(const Control& control, TimePoint at) noexcept;
   TimePoint hand_over_at() const noexcept;
@@ -58,7 +67,7 @@ class Emulator {
 
   EmulatorConfig config_;
   EmulatedProcessor processor_;
-  Random random_;
+  Random packets_random_, requests_random_;  // apart: faults of one leave the other alone
   bool on_bus_ = false;
   SerialLine to_processor_, from_processor_;
   std::uint16_t divisor_ = 0;
@@ -67,6 +76,7 @@ class Emulator {
   TimePoint timer_{};  // the latency timer's end
   std::optional<Request> request_;
   TimePoint request_end_{};
+  bool request_fails_ = false;
   std::optional<Event> bus_event_;  // attached, refused or detached, and when
   TimePoint bus_event_at_{};
   std::optional<Event> arriving_;  // a packet on the bus, and when it is through

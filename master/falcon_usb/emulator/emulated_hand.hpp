@@ -3,7 +3,7 @@
 #pragma once
 
 #include "master/falcon_usb/counts.hpp"
-#include "master/falcon_usb/emulated_processor.hpp"
+#include "master/falcon_usb/emulator/emulated_processor.hpp"
 #include "master/sim_hand.hpp"
 
 namespace farhand::falcon_usb {

@@ -1,0 +1,271 @@
+#include "master/falcon_usb/emulator/mock_bus.hpp"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+namespace farhand::falcon_usb {
+namespace {
+
+constexpr unsigned kNumber = 2;  // of the emulated one on the bus
+constexpr unsigned char kIn = 0x81;
+constexpr unsigned char kVendorRequest = 0x40;
+constexpr std::size_t kSetupBytes = 8;
+
+std::string text(const char* format, unsigned number) {
+  char out[64];
+  std::snprintf(out, sizeof out, format, number);
+  return out;
+}
+std::string node_of(unsigned number) {
+  return text("/dev/bus/usb/001/%03u", number);
+}
+std::string sysfs_of(unsigned number) {
+  return text("/sys/devices/usb%u", number);
+}
+
+}  // namespace
+
+MockBus::MockBus(const EmulatorConfig& config, Mechanism mechanism, Clock clock, std::string serial)
+    : clock_(std::move(clock)),
+      serial_(std::move(serial)),
+      emulator_(config, std::move(mechanism)),
+      testbed_(umockdev_testbed_new()),
+      handler_(umockdev_ioctl_base_new()) {
+  g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(handle), this);
+}
+
+MockBus::~MockBus() {
+  for (const Urb& urb : flying_) umockdev_ioctl_data_unref(urb.data);
+  g_object_unref(handler_);
+  g_object_unref(testbed_);
+}
+
+std::string MockBus::root_dir() const {
+  gchar* root = umockdev_testbed_get_root_dir(testbed_);
+  std::string out = root;
+  g_free(root);
+  return out;
+}
+
+// ---- the user's doings
+
+void MockBus::plug() {
+  {
+    const std::lock_guard lock(mutex_);
+    const TimePoint now = clock_();
+    emulator_.plug(now);
+    emulator_.next_event(now + std::chrono::seconds(1));  // the kernel says itself that it is there
+    there_ = true;
+  }
+  add_device(kNumber);
+}
+
+void MockBus::unplug() {
+  {
+    const std::lock_guard lock(mutex_);
+    const TimePoint now = clock_();
+    emulator_.unplug(now);
+    emulator_.next_event(now);
+    there_ = false;
+    packets_.clear();
+  }
+  umockdev_testbed_detach_ioctl(testbed_, node_of(kNumber).c_str(), nullptr);
+  umockdev_testbed_uevent(testbed_, sysfs_of(kNumber).c_str(), "remove");
+  umockdev_testbed_remove_device(testbed_, sysfs_of(kNumber).c_str());
+}
+
+void MockBus::plug_taken(unsigned number) {
+  add_device(number);
+}
+
+void MockBus::add_device(unsigned number) {
+  const std::string device =
+      text("P: /devices/usb%u\n", number) + text("N: bus/usb/001/%03u\n", number) +
+      "E: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\n" + text("E: DEVNUM=%03u\n", number) +
+      text("E: DEVNAME=/dev/bus/usb/001/%03u\n", number) +
+      "E: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\n" +
+      text("A: devnum=%u\\n\n", number) +
+      "A: speed=12\\n\n"
+      "H: descriptors=1201000200000008030448CB0006010203010902200001010080"
+      "2D0904000002FFFFFF020705810240000007050202400000\n";
+  umockdev_testbed_attach_ioctl(testbed_, node_of(number).c_str(), handler_, nullptr);
+  umockdev_testbed_add_from_string(testbed_, device.c_str(), nullptr);
+}
+
+void MockBus::occupy(bool busy) {
+  const std::lock_guard lock(mutex_);
+  busy_ = busy;
+}
+
+void MockBus::forbid() {
+  chmod((root_dir() + node_of(kNumber)).c_str(), 0);
+}
+
+void MockBus::set_faults(const SerialFaults& serial, const BusFaults& bus) {
+  const std::lock_guard lock(mutex_);
+  emulator_.set_faults(serial, bus);
+}
+
+void MockBus::fail_reads(int count, int error) {
+  const std::lock_guard lock(mutex_);
+  reads_to_fail_ = count;
+  read_error_ = error;
+}
+
+void MockBus::stick() {
+  const std::lock_guard lock(mutex_);
+  stuck_ = true;
+}
+
+int MockBus::halts_cleared() const {
+  const std::lock_guard lock(mutex_);
+  return halts_cleared_;
+}
+
+// ---- what the kernel is asked
+
+bool MockBus::Urb::reads() const {
+  return urb().type == USBDEVFS_URB_TYPE_BULK && urb().endpoint == kIn;
+}
+
+void MockBus::Urb::finish(int with, int length) {
+  finished = true;
+  status = with;
+  urb().actual_length = length;
+}
+
+gboolean MockBus::handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self) {
+  const std::lock_guard lock(self->mutex_);
+  const int error = self->answer(client);
+  umockdev_ioctl_client_complete(client, error == 0 ? 0 : -1, error);
+  return TRUE;
+}
+
+// 0 or an error number.
+int MockBus::answer(UMockdevIoctlClient* client) {
+  UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
+  switch (umockdev_ioctl_client_get_request(client)) {
+    case USBDEVFS_GET_CAPABILITIES: {
+      UMockdevIoctlData* d = umockdev_ioctl_data_resolve(argument, 0, sizeof(guint32), nullptr);
+      const guint32 capabilities = USBDEVFS_CAP_BULK_CONTINUATION |
+                                   USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
+                                   USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
+      std::memcpy(d->data, &capabilities, sizeof capabilities);
+      umockdev_ioctl_data_unref(d);
+      return 0;
+    }
+    case USBDEVFS_CLAIMINTERFACE:
+    case USBDEVFS_DISCONNECT_CLAIM:
+      return busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber) ? EBUSY : 0;
+    case USBDEVFS_SUBMITURB:
+      return submit(argument);
+    case USBDEVFS_REAPURB:
+    case USBDEVFS_REAPURBNDELAY:
+      return reap(argument);
+    case USBDEVFS_DISCARDURB:
+      return discard(*reinterpret_cast<gulong*>(argument->data));
+    case USBDEVFS_CLEAR_HALT:
+      ++halts_cleared_;
+      return 0;
+    default:
+      return 0;
+  }
+}
+
+int MockBus::submit(UMockdevIoctlData* argument) {
+  if (!there_) return ENODEV;
+  UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr);
+  Urb urb{data};
+  umockdev_ioctl_data_unref(umockdev_ioctl_data_resolve(
+      data, offsetof(usbdevfs_urb, buffer), static_cast<gsize>(urb.urb().buffer_length), nullptr));
+  const unsigned char* bytes = urb.bytes();
+  const auto length = static_cast<std::size_t>(urb.urb().buffer_length);
+  if (urb.urb().type == USBDEVFS_URB_TYPE_BULK && !urb.reads())
+    emulator_.submit(request_of(std::as_bytes(std::span(bytes, length))), clock_());
+  else if (urb.urb().type == USBDEVFS_URB_TYPE_CONTROL && bytes[0] == kVendorRequest)
+    emulator_.submit(
+        request_of(Control{bytes[1], static_cast<std::uint16_t>(bytes[2] | bytes[3] << 8)}),
+        clock_());
+  else if (!urb.reads())
+    describe(urb);
+  flying_.push_back(urb);
+  return 0;
+}
+
+// String descriptors: the language, and the serial number under any other index.
+void MockBus::describe(Urb& urb) const {
+  std::vector<unsigned char> text{0, 3};
+  if (urb.bytes()[2] == 0)
+    text.insert(text.end(), {0x09, 0x04});
+  else
+    for (const char c : serial_) text.insert(text.end(), {static_cast<unsigned char>(c), 0});
+  text[0] = static_cast<unsigned char>(text.size());
+  std::memcpy(urb.bytes() + kSetupBytes, text.data(), text.size());
+  urb.finish(0, static_cast<int>(text.size()));
+}
+
+int MockBus::reap(UMockdevIoctlData* argument) {
+  let_time_pass();
+  for (auto urb = flying_.begin(); urb != flying_.end(); ++urb) {
+    if (!there_) urb->finish(-ENODEV, 0);
+    if (!urb->finished) continue;
+    urb->urb().status = urb->status;
+    UMockdevIoctlData* p = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
+    umockdev_ioctl_data_set_ptr(p, 0, urb->data);
+    umockdev_ioctl_data_unref(p);
+    umockdev_ioctl_data_unref(urb->data);
+    flying_.erase(urb);
+    return 0;
+  }
+  return there_ ? EAGAIN : ENODEV;
+}
+
+int MockBus::discard(gulong address) {
+  for (Urb& urb : flying_)
+    if (urb.data->client_addr == address && !urb.finished) {
+      if (!stuck_) urb.finish(-ENOENT, 0);
+      return 0;
+    }
+  return EINVAL;
+}
+
+// ---- the emulator's side
+
+void MockBus::let_time_pass() {
+  const TimePoint now = clock_();
+  while (const Event* event = emulator_.next_event(now)) hear(*event);
+  fill_reads();
+}
+
+void MockBus::hear(const Event& event) {
+  if (event.kind == EventKind::received) packets_.push_back(event.packet);
+  if (event.kind != EventKind::sent && event.kind != EventKind::failed) return;
+  const bool sent = event.kind == EventKind::sent;
+  for (Urb& urb : flying_) {
+    if (urb.reads() || urb.finished) continue;
+    const bool bulk = urb.urb().type == USBDEVFS_URB_TYPE_BULK;
+    urb.finish(sent ? 0 : -EPROTO, sent && bulk ? urb.urb().buffer_length : 0);
+  }
+}
+
+void MockBus::fill_reads() {
+  for (Urb& urb : flying_) {
+    if (!urb.reads() || urb.finished) continue;
+    if (reads_to_fail_ > 0) {
+      --reads_to_fail_;
+      urb.finish(read_error_, 0);
+    } else if (!packets_.empty()) {
+      const UsbBytes& packet = packets_.front();
+      std::memcpy(urb.bytes(), packet.bytes.data(), packet.size);
+      urb.finish(0, static_cast<int>(packet.size));
+      packets_.pop_front();
+    }
+  }
+}
+
+}  // namespace farhand::falcon_usb

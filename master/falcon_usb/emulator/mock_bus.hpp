@@ -1,0 +1,85 @@
+// The emulated Falcon as a device file of a mocked machine: what libusb asks of the kernel goes to
+// the emulator, for every process that has umockdev's preload library before all others and this
+// bus' root_dir() in its environment as UMOCKDEV_DIR. In this process the latter is so from the
+// start.
+//
+// The device is plugged and unplugged here, not at the emulator. Requests are answered on a thread
+// of the mock's own, which is also where the clock and the mechanism are asked.
+#pragma once
+
+#include <linux/ioctl.h>
+#include <linux/usbdevice_fs.h>
+#include <umockdev.h>
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <string>
+
+#include "master/falcon_usb/emulator/emulator.hpp"
+
+namespace farhand::falcon_usb {
+
+class MockBus {
+ public:
+  using Clock = std::function<TimePoint()>;
+
+  MockBus(const EmulatorConfig& config, Mechanism mechanism, Clock clock, std::string serial);
+  ~MockBus();
+  MockBus(const MockBus&) = delete;
+  MockBus& operator=(const MockBus&) = delete;
+
+  std::string root_dir() const;
+
+  void plug();
+  void unplug();
+  // Another Falcon, which is always in other hands; its number, not 2, decides its place.
+  void plug_taken(unsigned number);
+  // In other hands, for those who try to have it from now on.
+  void occupy(bool busy);
+  // To all but root.
+  void forbid();
+  void set_faults(const SerialFaults& serial, const BusFaults& bus);
+  // So many reads from now on end with a negative error number.
+  void fail_reads(int count, int error);
+  // Transfers that are cancelled do not end any more.
+  void stick();
+  int halts_cleared() const;
+
+ private:
+  // A transfer of the host's, with the kernel's own description of it in `data`.
+  struct Urb {
+    UMockdevIoctlData* data;
+    bool finished = false;
+    int status = 0;
+    usbdevfs_urb& urb() const { return *reinterpret_cast<usbdevfs_urb*>(data->data); }
+    unsigned char* bytes() const { return static_cast<unsigned char*>(urb().buffer); }
+    bool reads() const;
+    void finish(int with, int length);
+  };
+
+  static gboolean handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self);
+  int answer(UMockdevIoctlClient* client);
+  int submit(UMockdevIoctlData* argument);
+  void describe(Urb& urb) const;
+  int reap(UMockdevIoctlData* argument);
+  int discard(gulong address);
+  void let_time_pass();
+  void hear(const Event& event);
+  void fill_reads();
+  void add_device(unsigned number);
+
+  mutable std::mutex mutex_;
+  Clock clock_;
+  std::string serial_;
+  Emulator emulator_;
+  bool there_ = false, busy_ = false, stuck_ = false;
+  int reads_to_fail_ = 0, read_error_ = 0, halts_cleared_ = 0;
+  std::deque<Urb> flying_;
+  std::deque<UsbBytes> packets_;
+  UMockdevTestbed* testbed_;
+  UMockdevIoctlBase* handler_;
+};
+
+}  // namespace farhand::falcon_usb
