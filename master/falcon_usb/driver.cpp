@@ -32,6 +32,7 @@ bool Driver::talking() const noexcept {
 void Driver::enter(Phase phase, TimePoint now) noexcept {
   phase_ = phase;
   entered_ = now;
+  let_go_ = false;
   if (phase == Phase::armed) return;
   tau_.setZero();
   arming_.forget();
@@ -111,6 +112,7 @@ void Driver::judge(const Sample& sample, TimePoint now) noexcept {
   if (verdict == Verdict::plausible) {
     trouble_ = Trouble::none;
     sample_ = sample;
+    let_go_ = let_go_ || (phase_ == Phase::armed && sample.answer.buttons == 0);
     if (phase_ == Phase::homed && arming_.step(sample.answer.buttons, now))
       enter(Phase::armed, now);
     return;
@@ -237,6 +239,7 @@ HandleReading Driver::read(TimePoint now) const noexcept {
   const Eigen::Vector3i counts(answer.encoders[0], answer.encoders[1], answer.encoders[2]);
   out.ok = true;
   out.theta.head<3>() = theta1_from_counts(config_.geometry, counts);
+  if (!let_go_) return out;
   out.dead_man = (answer.buttons & config_.dead_man) != 0;
   out.clutch = (answer.buttons & config_.clutch) != 0;
   return out;

@@ -58,7 +58,8 @@ class Driver {
   std::optional<Request> next(TimePoint now) noexcept;
   TimePoint due() const noexcept;
 
-  // As HapticDevice has them. ok: homed or armed, with a sample that is not stale.
+  // As HapticDevice has them. ok: homed or armed, with a sample that is not stale. The buttons are
+  // the operator's once armed and let go: the gesture itself engages nothing.
   HandleReading read(TimePoint now) const noexcept;
   void write(TimePoint now, const Vec6& tau) noexcept;
 
@@ -112,6 +113,7 @@ class Driver {
   TimePoint written_{};
   bool fresh_ = false;       // wanted_ has not left yet
   Vec6 tau_ = Vec6::Zero();  // sent last
+  bool let_go_ = false;      // of all buttons, since armed
   bool closing_ = false;
   TimePoint close_by_{};
   TimePoint zero_from_ = TimePoint::max();  // the first question asked while closing

@@ -1,5 +1,6 @@
 #include "master/falcon_usb/usb_identity.hpp"
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 

@@ -1,15 +1,12 @@
 #include "master/falcon_usb/usb_transport.hpp"
 
-#include <libusb.h>
-
-#include <stdexcept>
 #include <utility>
+
+#include "master/falcon_usb/usb_identity.hpp"
 
 namespace farhand::falcon_usb {
 namespace {
 
-constexpr std::uint16_t kVendor = 0x0403, kProduct = 0xcb48;
-constexpr int kInterface = 0;
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 constexpr std::uint8_t kVendorRequest = 0x40;
 constexpr unsigned kNoTimeout = 0;
@@ -17,11 +14,6 @@ constexpr Duration kLookEvery = std::chrono::milliseconds(250);
 constexpr std::size_t kReserved = 8;  // places in the queue for what is not a packet
 constexpr int kMostCloseWaits = 20;
 constexpr int kMostMended = 8;
-
-Refusal refusal(int error) noexcept {
-  if (error == LIBUSB_ERROR_ACCESS) return Refusal::permission;
-  return error == LIBUSB_ERROR_BUSY ? Refusal::busy : Refusal::other;
-}
 
 void handle_events(libusb_context* context, Duration most) noexcept {
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(most).count();
@@ -35,10 +27,7 @@ void UsbTransport::FreeTransfer::operator()(libusb_transfer* t) const noexcept {
   libusb_free_transfer(t);
 }
 
-UsbTransport::UsbTransport(std::string serial) : serial_(std::move(serial)) {
-  if (const int error = libusb_init(&context_); error != LIBUSB_SUCCESS)
-    throw std::runtime_error(std::string("this machine gives no access to its USB: ") +
-                             libusb_strerror(static_cast<libusb_error>(error)));
+UsbTransport::UsbTransport(std::string serial) : serial_(std::move(serial)), context_(open_usb()) {
   request_.reset(libusb_alloc_transfer(0));
   for (TransferPtr& read : reads_) read.reset(libusb_alloc_transfer(0));
 }
@@ -75,7 +64,8 @@ void UsbTransport::look(TimePoint now) {
   const ssize_t count = libusb_get_device_list(context_, &list);
   Refusal why = Refusal::none;
   for (ssize_t i = 0; i < count && handle_ == nullptr; ++i) {
-    if (!is_falcon(list[i])) continue;
+    libusb_device_descriptor d{};
+    if (!is_falcon(list[i], d)) continue;
     const Refusal refused = open(list[i]);
     if (why == Refusal::none) why = refused;
   }
@@ -84,15 +74,9 @@ void UsbTransport::look(TimePoint now) {
   refuse(why);
 }
 
-bool UsbTransport::is_falcon(libusb_device* device) const noexcept {
-  libusb_device_descriptor d{};
-  if (libusb_get_device_descriptor(device, &d) != LIBUSB_SUCCESS) return false;
-  return d.idVendor == kVendor && d.idProduct == kProduct;
-}
-
 // Leaves handle_ open if it is the one looked for and could be had. Only an open device tells its
 // serial number; one that cannot be opened is taken to be it, so that the reason is said.
-Refusal UsbTransport::open(libusb_device* device) noexcept {
+Refusal UsbTransport::open(libusb_device* device) {
   int error = libusb_open(device, &handle_);
   if (error != LIBUSB_SUCCESS) {
     handle_ = nullptr;
@@ -107,14 +91,11 @@ Refusal UsbTransport::open(libusb_device* device) noexcept {
   return error == LIBUSB_SUCCESS ? Refusal::none : refusal(error);
 }
 
-bool UsbTransport::has_serial() const noexcept {
+bool UsbTransport::has_serial() const {
   if (serial_.empty()) return true;
   libusb_device_descriptor d{};
   libusb_get_device_descriptor(libusb_get_device(handle_), &d);
-  std::array<unsigned char, 128> text{};
-  const int length = libusb_get_string_descriptor_ascii(handle_, d.iSerialNumber, text.data(),
-                                                        static_cast<int>(text.size()));
-  return length > 0 && serial_ == std::string(text.begin(), text.begin() + length);
+  return serial_number(handle_, d) == serial_;
 }
 
 void UsbTransport::refuse(Refusal why) noexcept {

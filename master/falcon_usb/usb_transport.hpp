@@ -48,9 +48,8 @@ class UsbTransport {
   static void done(libusb_transfer* transfer);
   static void heard(libusb_transfer* transfer);
   void look(TimePoint now);
-  bool is_falcon(libusb_device* device) const noexcept;
-  bool has_serial() const noexcept;
-  Refusal open(libusb_device* device) noexcept;
+  bool has_serial() const;
+  Refusal open(libusb_device* device);
   void refuse(Refusal why) noexcept;
   void attach() noexcept;
   void mend() noexcept;

@@ -119,7 +119,7 @@ TEST(FalconDriver, LightsTellThePhase) {
 
 TEST(FalconDriver, ReadsAnglesAndButtonsAsTheyAre) {
   Rig rig;
-  rig.live_until(Phase::homed);
+  ASSERT_TRUE(rig.arm());
   rig.grip.swings = false;
   rig.grip.place = {100, -200, 300};
   rig.live(200ms);
@@ -136,6 +136,29 @@ TEST(FalconDriver, ReadsAnglesAndButtonsAsTheyAre) {
   rig.live(10ms);
   reading = rig.driver.read(rig.now);
   EXPECT_TRUE(!reading.dead_man && reading.clutch);
+}
+
+// Centre and forward are also dead-man and clutch: the operator's only once all were let go.
+TEST(FalconDriver, TheGestureItselfPressesNothing) {
+  Rig rig;
+  ASSERT_TRUE(rig.live_until(Phase::homed));
+  rig.grip.buttons = kButtonCentre;
+  rig.live(50ms);
+  EXPECT_FALSE(rig.driver.read(rig.now).dead_man) << "not armed";
+  rig.grip.buttons = 0;
+  rig.live(10ms);
+  rig.grip.buttons = kGesture;
+  ASSERT_TRUE(rig.live_until(Phase::armed));
+  rig.live(50ms);
+  rig.grip.buttons = kButtonCentre;  // forward let go, centre still held
+  rig.live(50ms);
+  EXPECT_TRUE(rig.driver.read(rig.now).ok);
+  EXPECT_FALSE(rig.driver.read(rig.now).dead_man);
+  rig.grip.buttons = 0;
+  rig.live(10ms);
+  rig.grip.buttons = kButtonCentre;
+  rig.live(10ms);
+  EXPECT_TRUE(rig.driver.read(rig.now).dead_man);
 }
 
 // ---- torque
