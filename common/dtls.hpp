@@ -63,6 +63,9 @@ struct DtlsConfig {
   // against those from its own or after it has failed. Only the host of the client authenticated
   // last comes before strangers.
   Duration protection = std::chrono::seconds(1);
+  // A client begins anew when a flight has had no answer for so long: by a damaged datagram the
+  // server may have ended the handshake, or made other keys, and can say neither.
+  Duration patience = std::chrono::seconds(2);
   // No handshake lasts longer.
   Duration limit = std::chrono::seconds(5);
   // A server takes an observer's certificate, too.
@@ -83,7 +86,7 @@ struct DtlsCounters {
   std::uint64_t begun = 0;    // a server's: after the cookie only
   std::uint64_t done = 0;     // authenticated
   std::uint64_t failed = 0;   // ended by a datagram that was not right
-  std::uint64_t expired = 0;  // ended by the limit
+  std::uint64_t expired = 0;  // ended by patience or limit
   std::uint64_t resent = 0;   // flights sent again
   std::uint64_t ignored = 0;  // datagrams that belong to no handshake under way
   // Of the other side, as seen here; and of this side, as the other says in an alert, which anyone
@@ -135,6 +138,7 @@ class DtlsHandshake {
  private:
   void begin(TimePoint now);
   void on_hello(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
+  bool of_an_attempt_before(std::span<const std::byte> datagram) noexcept;
   bool may_begin(std::span<const std::byte> random, const UdpAddress& from,
                  TimePoint now) const noexcept;
   bool prove(std::span<const std::byte> datagram, const UdpAddress& from, TimePoint now);
@@ -153,7 +157,9 @@ class DtlsHandshake {
   std::unique_ptr<DtlsConnection> pending_;
   UdpAddress peer_;  // of pending_, or of the one before
   std::array<std::byte, kDtlsRandomBytes>
-      hello_{};                       // its client's random number: tells attempts apart
+      hello_{};                       // its random number, of the other side: tells attempts apart
+  bool verified_ = false;             // client: the cookie of this attempt has come,
+  bool answered_ = false;             // and the hello_ is its answer
   TimePoint since_{};                 // its begin
   std::optional<UdpAddress> server_;  // client: wanted
   std::optional<UdpAddress> client_;  // server: authenticated last
@@ -162,6 +168,7 @@ class DtlsHandshake {
 
   std::array<DtlsOutgoing, 4> flight_;  // our last one
   std::size_t flight_size_ = 0, next_ = 0;
+  TimePoint flown_{};  // first sent
   Duration wait_{};
   TimePoint again_at_{};
   DtlsOutgoing reply_;  // to a hello without a cookie

@@ -11,14 +11,22 @@ namespace {
 // As long as a client repeats its hello, and no longer: a hello with its cookie can be played back.
 constexpr Duration kCookieWindow = std::chrono::seconds(5);
 
-// In a ClientHello that is the first record of its datagram, as those of DTLS are: after the
-// headers of record (13) and message (12) and the version (2), the random number.
+// In a ClientHello or ServerHello that is the first record of its datagram, as those of DTLS are:
+// after the headers of record (13) and message (12) and the version (2), the random number.
 constexpr std::size_t kMessageAt = kDtlsHeaderBytes, kRandomAt = kMessageAt + 14;
 
+// Of what is part_of_handshake: its first message, in clear.
+bool begins_with(int message, std::span<const std::byte> datagram) noexcept {
+  return datagram[0] == std::byte{SSL3_RT_HANDSHAKE} && datagram[4] == std::byte{0} &&
+         std::to_integer<int>(datagram[kMessageAt]) == message;
+}
+
+bool has_random(std::span<const std::byte> datagram) noexcept {
+  return datagram.size() >= kRandomAt + kDtlsRandomBytes;
+}
+
 bool client_hello(std::span<const std::byte> datagram) noexcept {
-  return datagram.size() >= kRandomAt + kDtlsRandomBytes &&
-         datagram[0] == std::byte{SSL3_RT_HANDSHAKE} && datagram[4] == std::byte{0} &&
-         datagram[kMessageAt] == std::byte{SSL3_MT_CLIENT_HELLO};
+  return has_random(datagram) && begins_with(SSL3_MT_CLIENT_HELLO, datagram);
 }
 
 // Of what is part_of_handshake, or nothing of nothing.
@@ -66,8 +74,23 @@ void DtlsHandshake::begin(TimePoint now) {
   pending_ = std::make_unique<DtlsConnection>(*context_);
   peer_ = *server_;
   since_ = now;
+  verified_ = answered_ = false;
   ++context_->counters.begun;
   step({}, now);
+}
+
+// The server sends the flight of an attempt before until it hears of this one, and OpenSSL would
+// take it for an answer: with a key nothing shows that it is none. It is known by its random
+// number, which came before this attempt's cookie or was taken in the last one.
+bool DtlsHandshake::of_an_attempt_before(std::span<const std::byte> datagram) noexcept {
+  verified_ = verified_ || begins_with(DTLS1_MT_HELLO_VERIFY_REQUEST, datagram);
+  if (!has_random(datagram) || !begins_with(SSL3_MT_SERVER_HELLO, datagram)) return false;
+  const auto random = datagram.subspan(kRandomAt, kDtlsRandomBytes);
+  const bool known = std::equal(random.begin(), random.end(), hello_.begin());
+  if (known) return !answered_;
+  std::copy(random.begin(), random.end(), hello_.begin());
+  answered_ = verified_;
+  return !answered_;
 }
 
 void DtlsHandshake::receive(std::span<const std::byte> datagram, const UdpAddress& from,
@@ -75,7 +98,8 @@ void DtlsHandshake::receive(std::span<const std::byte> datagram, const UdpAddres
   const bool ours = part_of_handshake(datagram);
   if (ours && listener_ && client_hello(datagram)) return on_hello(datagram, from, now);
   if (ours && from == peer_ && pending_ && alert(datagram)) return on_alert(datagram);
-  if (ours && from == peer_ && pending_) return step(datagram, now);
+  const bool old = ours && from == peer_ && server_ && of_an_attempt_before(datagram);
+  if (ours && from == peer_ && pending_ && !old) return step(datagram, now);
   if (ours && from == peer_ && repeats_last_) return repeat_last(now);
   ++context_->counters.ignored;
 }
@@ -91,7 +115,8 @@ void DtlsHandshake::repeat_last(TimePoint now) noexcept {
 }
 
 void DtlsHandshake::tick(TimePoint now) {
-  if (pending_ && now - since_ >= config_.limit) end(context_->counters.expired, now);
+  const bool unheard = server_ && now - flown_ >= config_.patience;
+  if (pending_ && (unheard || now - since_ >= config_.limit)) end(context_->counters.expired, now);
   if (now < again_at_) return;
   if (!pending_ && server_) begin(now);
   if (!pending_) return;
@@ -211,6 +236,7 @@ void DtlsHandshake::take_flight(TimePoint now) {
   }
   flight_size_ = c.written;
   c.written = next_ = 0;
+  flown_ = now;
   wait_ = config_.resend;
   again_at_ = now + wait_;
 }

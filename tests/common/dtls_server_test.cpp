@@ -195,6 +195,28 @@ TEST_P(DtlsServer, SaysItsLastFlightSeldom) {
   EXPECT_LE(resent, 100u);  // every 50 ms for 5 s
 }
 
+// It sends that until it hears of the new one, so it may come at any time.
+TEST_P(DtlsServer, ItsFlightOfAnAttemptBeforeIsNotTakenForAnAnswer) {
+  const auto old = ask(hello_with_cookie(client, kClientAddress), kClientAddress);
+  const auto unanswered = [&] {
+    for (const Bytes& d : old) client.receive(d, kServerAddress, now);
+    return all_outgoing(client).empty();
+  };
+  for (const Duration wait : {Duration(seconds(3)), Duration(milliseconds(400))}) {
+    now += wait;
+    client.tick(now);
+  }
+  EXPECT_EQ(client.counters().begun, 2u);
+  const Bytes hello = all_outgoing(client).at(0);
+  EXPECT_TRUE(unanswered());
+  client.receive(ask(hello, kClientAddress).at(0), kServerAddress, now);
+  const Bytes proven = all_outgoing(client).at(0);
+  EXPECT_TRUE(unanswered());
+  converse(client, ask(proven, kClientAddress), kClientAddress);
+  EXPECT_EQ(client.counters().done, 1u);
+  EXPECT_EQ(server.counters().done, 1u);
+}
+
 TEST_P(DtlsServer, AnAlertEndsNothing) {
   const auto alert = [](std::uint8_t about, std::uint8_t sequence) {
     Bytes a{std::byte{21}, std::byte{0xfe}, std::byte{0xfd}};
