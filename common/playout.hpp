@@ -1,7 +1,7 @@
 // A buffer that trades delay for even arrival: a value sent at t comes out at t + least transit +
 // D, on the sender's time scale, so no common clock is needed. D is the jitter that all but a share
 // of the messages stay within, over the last seconds. It grows at once when messages come late in
-// numbers; otherwise time is stretched or squeezed by 1 %, never jumped.
+// numbers; otherwise time is stretched or squeezed by 1 %, never jumped but to where a use begins.
 //
 // Between messages values are interpolated, so a lost one costs nothing, and neither does one that
 // was overtaken: at 1 kHz those that overtake come early, and D is theirs. After the newest it
@@ -45,8 +45,10 @@ class PlayoutClock {
   Duration play(Duration now) noexcept {
     if (base_.empty()) return played_;
     const double wish = seconds(base_.minimum()) + std::min(jitter(), config_.most);
-    if (!started_ || late_score_ >= 3) offset_ = std::max(started_ ? offset_ : -1e18, wish);
+    if (late_score_ >= 3) offset_ = std::max(offset_, wish);
     if (late_score_ >= 3) late_score_ = 0;
+    if (!settled_) offset_ = wish;
+    settled_ = true;
     const double most = started_ ? config_.slew * seconds(now - last_) : 0;
     offset_ += std::clamp(wish - offset_, -most, most);
     last_ = now;
@@ -56,6 +58,8 @@ class PlayoutClock {
     return played_;
   }
   Duration played() const noexcept { return played_; }
+  // The next time to be played is what is right now, however far from the last one.
+  void settle() noexcept { settled_ = false; }
   // D [s], as played.
   double delay() const noexcept { return base_.empty() ? 0 : offset_ - seconds(base_.minimum()); }
 
@@ -78,7 +82,7 @@ class PlayoutClock {
   RecentMinimum base_;
   std::array<double, kBins> count_{};
   double weight_ = 1, total_ = 0, late_score_ = 0, offset_ = 0;
-  bool started_ = false;
+  bool started_ = false, settled_ = false;
   Duration last_{}, played_{};
 };
 
@@ -110,8 +114,11 @@ class Playout {
   Value newest(const Value& before = {}) const noexcept {
     return size_ > 0 ? at(size_ - 1).value : before;
   }
-  // What came before the newest is not played any more.
+  // A use begins: how late things were in another one does not count.
+  void settle() noexcept { clock_.settle(); }
+  // The same, and what came before the newest is not played any more.
   void skip_to_newest() noexcept {
+    settle();
     if (size_ > 1) first_ = (first_ + size_ - 1) % kCapacity, size_ = 1;
   }
   double delay() const noexcept { return clock_.delay(); }

@@ -55,7 +55,10 @@ class WaveReceiver {
   }
   // A coupling begins: what the newest message sums up was meant for another one, and is not
   // played.
-  void start() noexcept { out_ = playout_.newest(); }
+  void start() noexcept {
+    out_ = playout_.newest();
+    playout_.settle();
+  }
   // Another sender: its sums and its clock begin anew.
   void clear() noexcept { *this = WaveReceiver(config_); }
   double delay() const noexcept { return playout_.delay(); }  // [s] of the playout

@@ -141,5 +141,30 @@ TEST(Playout, HoldsInAGapAndForgetsNoOrder) {
   EXPECT_EQ(none.play(milliseconds(5), 7.0), 7.0);
 }
 
+// After a network that stopped for 150 ms again and again; by stretching time it takes 15 s more.
+TEST(Playout, AUseBeginsWithTheDelayThatIsRightThen) {
+  for (const bool begins : {false, true}) {
+    Playout<double> p({});
+    double played = 0;
+    Duration now{};
+    const auto push = [&](Duration sent) { p.push(sent + kAhead, seconds(sent), now); };
+    for (int i = 1; i <= 15000; ++i) {
+      now = milliseconds(i);
+      if (i > 5000) push(now);
+      if (i <= 5000 && i % 150 == 0)
+        for (int k = i - 149; k <= i; ++k) push(milliseconds(k));
+      if (begins && i == 14990) p.settle();
+      const double value = p.play(now);
+      EXPECT_GE(value, played) << i;
+      played = value;
+    }
+    const double age = seconds(now) - played;
+    if (begins)
+      EXPECT_LT(age, 0.005);
+    else
+      EXPECT_GT(age, 0.08);
+  }
+}
+
 }  // namespace
 }  // namespace farhand
