@@ -58,6 +58,7 @@ void SimArm::advance(TimePoint now) noexcept {
   const double T = seconds(simulated);
   const int n = std::max(1, static_cast<int>(std::lround(T * config_.rate_hz)));
   for (int i = 0; i < n; ++i) step(T / n);
+  if (elapsed > simulated) dq_.setZero();
 }
 
 void SimArm::move_surfaces() noexcept {

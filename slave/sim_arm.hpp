@@ -76,7 +76,8 @@ class SimArm {
 
   // Both first bring the plant to `now` under the torque held so far, in equal Runge-Kutta steps as
   // near to rate_hz as divides the time; the first call only sets the clock. Time standing still or
-  // running back does nothing; of more than kMaxCatchUp only kMaxCatchUp is simulated.
+  // running back does nothing; of more than kMaxCatchUp only kMaxCatchUp is simulated, and then it
+  // rests, as one whose brakes fall in when nobody drives it.
   RobotReading read(TimePoint now) noexcept;  // ok = false once the state is no longer finite
   void write(TimePoint now, const Vec6& tau) noexcept;  // clamped to each joint's limit
 

@@ -233,10 +233,15 @@ TEST(SimArm, TimeThatStandsStillOrRunsBackDoesNothing) {
   EXPECT_EQ(plant.status().steps, 10u);
 }
 
-TEST(SimArm, ALateCallSimulatesABoundedTimeAndCountsTheRest) {
+TEST(SimArm, ALateCallSimulatesABoundedTimeCountsTheOtherAndTheArmRests) {
   SimArm plant({.q = kHome});
   plant.read(TimePoint{});
+  plant.read(TimePoint{} + SimArm::kMaxCatchUp);
+  EXPECT_GT(plant.truth().dq.norm(), 0.1);  // it falls
+  plant = SimArm({.q = kHome});
+  plant.read(TimePoint{});
   plant.read(TimePoint{} + std::chrono::seconds(3600));
+  EXPECT_EQ(plant.truth().dq, Vec6(Vec6::Zero()));
   EXPECT_EQ(plant.status().steps, 50u);
   EXPECT_EQ(plant.status().skipped, std::chrono::seconds(3600) - SimArm::kMaxCatchUp);
 }
