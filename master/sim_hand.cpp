@@ -116,6 +116,13 @@ void SimHand<Geometry>::write(TimePoint now, const Vec6& tau) noexcept {
 }
 
 template <typename Geometry>
+void SimHand<Geometry>::turn(const Vec3& rate) noexcept {
+  turned_ = turned_at(truth_.t);
+  turning_since_ = truth_.t;
+  turn_rate_ = rate;
+}
+
+template <typename Geometry>
 void SimHand<Geometry>::advance(TimePoint now) noexcept {
   Duration left = std::max(now - now_.value_or(now), Duration::zero());
   now_ = now;
@@ -207,7 +214,12 @@ bool SimHand<Geometry>::stop_at_edge() noexcept {
 
 template <typename Geometry>
 HandCourse SimHand<Geometry>::wish_at(double t) const noexcept {
-  if (motion_) return course(motion_->at(t), middle_);
+  if (motion_) {
+    MotionSample wish = motion_->at(t);
+    wish.turn += turned_at(t);
+    wish.turn_rate += turn_rate_;
+    return course(wish, middle_);
+  }
   const HandState& s = truth_.state;
   return {.p = {s.p_MH, Vec3::Zero()}, .axis = {s.axis_M, Vec3::Zero()}, .twist = {s.twist, 0}};
 }

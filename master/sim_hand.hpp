@@ -83,6 +83,9 @@ class SimHand {
 
   HandleReading read(TimePoint now) noexcept;
   void write(TimePoint now, const Vec6& tau) noexcept;
+  // From now on the hand turns at this rate besides its motion: tilt about x, about y, twist
+  // [rad/s].
+  void turn(const Vec3& rate) noexcept;
   const HandTruth& truth() const noexcept { return truth_; }
   const std::optional<Motion>& motion() const noexcept { return motion_; }
 
@@ -92,6 +95,7 @@ class SimHand {
   void solve() noexcept;
   bool stop_at_edge() noexcept;
   HandCourse wish_at(double t) const noexcept;
+  Vec3 turned_at(double t) const noexcept { return turned_ + (t - turning_since_) * turn_rate_; }
   Vec3 push_at(double t) const noexcept;
   bool pressed(Button button) const noexcept;
   EndForces sense_ends() noexcept;
@@ -100,7 +104,9 @@ class SimHand {
   SimHandConfig config_;
   Plant plant_;
   std::optional<Motion> motion_;
-  Vec3 middle_;  // of the hand's motion
+  Vec3 middle_;                                            // of the hand's motion
+  Vec3 turned_ = Vec3::Zero(), turn_rate_ = Vec3::Zero();  // besides it
+  double turning_since_ = 0;                               // [s] of plant time
   Random random_;
 
   std::optional<TimePoint> now_;

@@ -65,6 +65,8 @@ class Loopback {
   void step_clock(Side side, Duration forward) noexcept;
   // The side's device or robot: neither readings nor torques pass.
   void unplug(Side side, bool on) noexcept;
+  // The simulated hand turns at this rate besides its motion (master/sim_hand.hpp).
+  void turn_hand(const Vec3& rate) noexcept;
   void change_network(const std::optional<ImpairmentConfig>& to_slave,
                       const std::optional<ImpairmentConfig>& to_master);
   // Enters the network on its way to a side, or reaches that side at once.

@@ -38,6 +38,14 @@ void Loopback::unplug(Side side, bool on) noexcept {
     unplugged_ = on ? std::optional(now_) : std::nullopt;
 }
 
+void Loopback::turn_hand(const Vec3& rate) noexcept {
+  std::visit(
+      [&](auto& d) {
+        if constexpr (requires { d.turn(rate); }) d.turn(rate);
+      },
+      device_);
+}
+
 void Loopback::change_network(const std::optional<ImpairmentConfig>& to_slave,
                               const std::optional<ImpairmentConfig>& to_master) {
   slave_->to_slave.change(to_slave);

@@ -105,6 +105,19 @@ TEST(SimHand, TheHandFollowsItsMotion) {
   EXPECT_EQ(device.truth().stops, 0u);
 }
 
+TEST(SimHand, TheHandTurnsBesidesItsMotionWhenTold) {
+  auto device = hand<TwinDeltaGeometry>(quiet());
+  idle(device, 0, 1);
+  device.turn(Vec3(0.2, 0, -0.1));
+  idle(device, 1, 2);
+  device.turn(Vec3::Zero());
+  idle(device, 2, 5);
+  const HandTruth& truth = device.truth();
+  EXPECT_LT((truth.wish.axis.x - Vec3(0, -std::sin(0.2), std::cos(0.2))).norm(), 1e-3);
+  EXPECT_LT((truth.state.axis_M - truth.wish.axis.x).norm(), 1e-3);
+  EXPECT_NEAR(truth.state.twist, -0.1, 1e-3);
+}
+
 TEST(SimHand, NobodyHoldsAndTheHandleSinksToTheEdgeAndRests) {
   SimHandConfig config;
   config.device.friction = 0;
