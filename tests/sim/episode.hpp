@@ -25,6 +25,7 @@ struct EpisodeResult {
   std::uint64_t engagements = 0;
   // Of the quiet phase, free and within all limits (tests/sim/tracking.hpp) [m].
   Rms lag, command, tool;
+  long limited = 0;  // [ticks] of that phase in which a limit held the tool back
 
   bool good() const noexcept { return violations == 0; }
 };

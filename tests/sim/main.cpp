@@ -59,7 +59,7 @@ struct Totals {
   struct Peaks {
     double lag = 0, command = 0, tool = 0;  // [m]
   };
-  std::map<std::string, Peaks> peaks;  // by scene
+  std::map<std::string, Peaks> peaks;  // by scene and method
 
   void add(const Plan& plan, const EpisodeResult& r) {
     ++episodes;
@@ -68,7 +68,7 @@ struct Totals {
     tracked += r.lag.count > 0;
     latest_ready = std::max(latest_ready, r.ready_after);
     oldest_command = std::max(oldest_command, r.oldest_command);
-    Peaks& p = peaks[plan.scene];
+    Peaks& p = peaks[plan.method.empty() ? plan.scene : plan.scene + " " + plan.method];
     p.lag = std::max(p.lag, r.lag.peak);
     p.command = std::max(p.command, r.command.peak);
     p.tool = std::max(p.tool, r.tool.peak);
@@ -83,7 +83,7 @@ struct Totals {
         tracked, 1e3 * seconds(oldest_command));
     for (const auto& [scene, p] : peaks)
       out += fmt::format(
-          "  {:<20} tool at most {:6.3f} mm behind the handle, {:.3f} mm off where its servo "
+          "  {:<26} tool at most {:6.3f} mm behind the handle, {:.3f} mm off where its servo "
           "drives "
           "it; command {:.3g} mm off what is asked for\n",
           scene, p.lag * 1e3, p.tool * 1e3, p.command * 1e3);

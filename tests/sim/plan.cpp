@@ -76,6 +76,26 @@ Fault draw_fault(Random& random, const Plan& plan) {
   return f;
 }
 
+// What there is to choose within a scene. From a stream of its own: the faults of a seed stay.
+void draw_variant(Plan& plan) {
+  constexpr std::array<const char*, 3> kFar = {"damped", "mmt", "auto"};
+  constexpr std::array<const char*, 4> kAnywhere = {"direct", "wave", "smith", "auto"};
+  constexpr std::array<double, 3> kWays = {1, 10, 45};
+  constexpr std::array<double, 2> kKeepAlive = {5, 50};
+  Random random(plan.seed ^ 0x76617279);
+  const bool far = plan.scene == "twin_delta_far", closed = plan.scene == "twin_delta_closed";
+  if (far) plan.method = kFar[plan.seed % kFar.size()];
+  if (far && random.uniform() < 0.6) {
+    plan.method = pick(random, kAnywhere);
+    plan.one_way_ms = pick(random, kWays);
+  }
+  if (closed && random.uniform() < 0.4) plan.method = "direct";
+  const bool reflects = closed || plan.scene == "falcon_closed" || plan.method == "direct";
+  if (reflects && random.uniform() < 0.4) plan.keep_alive_ms = pick(random, kKeepAlive);
+  const bool turns = far || closed || plan.scene == "minimal";
+  if (turns && random.uniform() < 0.35) plan.alignment_deg = draw(random, 3, 30);
+}
+
 void add(ImpairmentConfig& c, const Fault& f) {
   switch (f.kind) {
     case FaultKind::delay:
@@ -136,6 +156,7 @@ Plan draw_plan(std::uint64_t seed, Duration length) {
   for (std::uint64_t i = 0; i < faults; ++i) plan.faults.push_back(draw_fault(random, plan));
   std::stable_sort(plan.faults.begin(), plan.faults.end(),
                    [](const Fault& a, const Fault& b) { return a.at < b.at; });
+  draw_variant(plan);
   return plan;
 }
 
@@ -156,11 +177,21 @@ std::string to_string(const Fault& f) {
   return out;
 }
 
+std::string variant(const Plan& p) {
+  std::string out = p.scene;
+  if (!p.method.empty()) out += " " + p.method;
+  if (p.one_way_ms) out += fmt::format(", {:g} ms each way", *p.one_way_ms);
+  if (p.keep_alive_ms) out += fmt::format(", answers every {:g} ms", *p.keep_alive_ms);
+  if (p.alignment_deg) out += fmt::format(", aligned to {:.1f} deg", *p.alignment_deg);
+  return out;
+}
+
 std::string to_string(const Plan& p) {
   std::string out = fmt::format(
       "seed {}: {}, {} channel, clocks {:+.1f} and {:+.1f} ppm, {:g} s, quiet from {:g} s\n",
-      p.seed, p.scene, p.secure ? "secure" : "plain", static_cast<double>(p.master_clock.ppb) / 1e3,
-      static_cast<double>(p.slave_clock.ppb) / 1e3, seconds(p.end), seconds(p.quiet));
+      p.seed, variant(p), p.secure ? "secure" : "plain",
+      static_cast<double>(p.master_clock.ppb) / 1e3, static_cast<double>(p.slave_clock.ppb) / 1e3,
+      seconds(p.end), seconds(p.quiet));
   for (const Fault& f : p.faults) out += "  " + to_string(f) + "\n";
   return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +64,10 @@ struct Plan {
   Duration quiet{}, end{};
   ClockError master_clock, slave_clock;
   bool secure = true;  // the stand-in for DTLS is on
+  std::string method;  // of the compensation, as a scene names it; empty: as the scene has it
+  std::optional<double> one_way_ms;     // of the network, instead of the scene's
+  std::optional<double> keep_alive_ms;  // of the answers' deadband
+  std::optional<double> alignment_deg;
   std::vector<Fault> faults;
 };
 
@@ -74,6 +79,7 @@ ImpairmentConfig network_at(const Plan& plan, Way way, const ImpairmentConfig& s
 bool of_network(FaultKind kind);
 
 std::string to_string(const Fault& fault);
+std::string variant(const Plan& plan);    // the scene, and what was chosen within it
 std::string to_string(const Plan& plan);  // several lines
 
 }  // namespace farhand

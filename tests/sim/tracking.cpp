@@ -28,11 +28,19 @@ Vec3 IdealServo::step(const Vec3& r) noexcept {
   return x;
 }
 
-Tracking::Tracking(const Loopback& loop, Checkers& checkers, const Limits& limits) noexcept
+Tracking::Tracking(const Loopback& loop, Checkers& checkers, const Limits& limits,
+                   const std::optional<Wall>& wall) noexcept
     : loop_(loop),
       checkers_(checkers),
       limits_(limits),
-      ideal_(loop.slave()->config().servo, loop.slave()->config().Ts) {}
+      at_limit_(loop),
+      ideal_(loop.slave()->config().servo, loop.slave()->config().Ts),
+      wall_(wall) {}
+
+void Tracking::sampling() noexcept {
+  const std::uint64_t next = loop_.master_end().sequence() + 1;
+  given_[next % given_.size()] = true_handle(loop_.device(), Vec3::Zero());
+}
 
 void Tracking::check(const SlaveTick& t, bool judged) {
   constexpr LimitSet kHeldBack = kLimitWorkspace | kLimitSpeed | kLimitForce | kLimitSaturated;
@@ -43,28 +51,78 @@ void Tracking::check(const SlaveTick& t, bool judged) {
   if (touches) wound_ = std::max(wound_, wind_up(t, truth.F_E_S));
   if (!t.coupled) {
     coupled_ = false;
+    at_limit_.reset();
     return;
   }
-  const Vec3 p_cmd = forward(c.arm, t.q_cmd).p;
-  if (!coupled_) ideal_.start(p_cmd);
-  coupled_ = true;
-  const Vec3 p_ideal = ideal_.step(p_cmd);
+  Places at{.p_cmd = forward(c.arm, t.q_cmd).p,
+            .p_SE = truth.X_SE.p,
+            .asked = wanted_tool(*loop_.slave(), loop_.slave_end()->newest()->message.p_MH)};
+  if (!coupled_) start(at);
+  at.p_ideal = ideal_.step(at.p_cmd);
+  if (!asked_.empty()) asked_[next_++ % asked_.size()] = at.asked;
   const bool held = (t.limits & kHeldBack) != 0;
-  held_ = touches ? kRecovery : std::clamp(held_ + (held ? kRecoveryPerTick : -1), 0, kRecovery);
-  if (judged && !held && held_ == 0) judge(p_cmd, p_ideal, truth.X_SE.p);
+  touched_ = touches ? kRecovery : std::max(touched_ - 1, 0);
+  held_ = std::clamp(held_ + (held ? kRecoveryPerTick : -1), 0, kRecovery);
+  clear_ = clear(at) ? clear_ + 1 : 0;
+  const bool at_limit = at_limit_.step(t, truth.q);
+  checkers_.expect(!judged || !held || at_limit, "a limit is reported where there is none",
+                   static_cast<double>(t.limits), 0);
+  const bool limited = held || held_ > 0;
+  if (!judged || limited || touched_ > 0) offset_.reset();
+  if (!judged) return;
+  limited_ += limited;
+  free_ += clear_ > kFree;
+  if (!limited && touched_ == 0) judge(at);
 }
 
-void Tracking::judge(const Vec3& p_cmd, const Vec3& p_ideal, const Vec3& p_SE) {
-  const Vec3 asked = wanted_tool(*loop_.slave(), loop_.slave_end()->newest()->message.p_MH);
-  const Vec3 wanted = wanted_tool(*loop_.slave(), true_handle(loop_.device(), asked));
-  const double command = (asked - p_cmd).norm(), tool = (p_ideal - p_SE).norm();
-  lag_.add((wanted - p_SE).norm());
-  command_.add(command);
+void Tracking::start(const Places& at) noexcept {
+  ideal_.start(at.p_cmd);
+  coupled_ = true;
+  clear_ = 0;
+  asked_.assign(static_cast<std::size_t>(limits_.played_out), at.asked);
+}
+
+// By more than the command and the tool may be off.
+bool Tracking::clear(const Places& at) const noexcept {
+  if (!wall_) return true;
+  const Vec3& p = limits_.keeps_offset ? at.p_cmd : at.asked;
+  return wall_->normal.dot(p - wall_->point) > limits_.command + limits_.tool;
+}
+
+// The most that what is asked for is from what may be played out only now [m].
+double Tracking::moved_lately() const noexcept {
+  double most = 0;
+  for (const Vec3& p : asked_)
+    most = std::max(most, (p - asked_[(next_ - 1) % asked_.size()]).norm());
+  return most;
+}
+
+void Tracking::judge(const Places& at) {
+  ++judged_;
+  const Slave& slave = *loop_.slave();
+  const auto& newest = *loop_.slave_end()->newest();
+  const Vec3 p_MH_now = true_handle(loop_.device(), newest.message.p_MH);
+  Vec3 asked = at.asked, wanted = wanted_tool(slave, p_MH_now);
+  double room = limits_.command + moved_lately();
+  if (limits_.keeps_offset) {
+    if (!offset_) offset_ = {at.p_cmd - asked, room};
+    asked += offset_->by, wanted += offset_->by;
+    room += offset_->slack;
+  }
+  const double scale = slave.config().workspace.scale;
+  const double moved = (p_MH_now - given_[newest.sequence % given_.size()]).norm();
+  const double command = (asked - at.p_cmd).norm(), tool = (at.p_ideal - at.p_SE).norm();
+  const double lag = (wanted - at.p_SE).norm();
+  const double explained = scale * (limits_.handle + moved) + room +
+                           (at.p_ideal - at.p_cmd).norm() + limits_.tool + wound_;
+  lag_.add(lag);
+  command_.add(std::max(command - (room - limits_.command), 0.0));
   tool_.add(std::max(tool - wound_, 0.0));
-  checkers_.expect(command <= limits_.command, "the command is off what is asked for [m]", command,
-                   limits_.command);
+  checkers_.expect(command <= room, "the command is off what is asked for [m]", command, room);
   checkers_.expect(tool <= limits_.tool + wound_, "the tool is off where its servo drives it [m]",
                    tool, limits_.tool + wound_);
+  checkers_.expect(lag <= explained, "the tool lags more than delay and servo explain [m]", lag,
+                   explained);
 }
 
 double Tracking::wind_up(const SlaveTick& t, const Wrench& F_E_S) const noexcept {

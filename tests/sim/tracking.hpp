@@ -7,12 +7,21 @@
 // gains but for their inertia, and so the same error transfer function (servo_error): the tool
 // follows its path as a joint follows its angle, and one servo in three axes tells how. What a
 // contact wound up in the joints' integrals, J diag(1/kp) J^T F at the tool, unwinds with their
-// time constant and is allowed on top.
+// time constant and is allowed on top. From the hand to the tool all that adds up, with what the
+// hand has moved since it gave the newest order.
+//
+// Where the slave reports a limit there must be one (tests/sim/at_limit.hpp): so nothing can hide
+// behind it.
 #pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
 
 #include "common/pid.hpp"
 #include "common/statistics.hpp"
 #include "tests/loop/checkers.hpp"
+#include "tests/sim/at_limit.hpp"
 
 namespace farhand {
 
@@ -35,32 +44,70 @@ class Tracking {
   static constexpr int kRecovery = 250;  // [ticks]: exp(-0.25 * 0.9 * 2 pi 6) = 2e-4
   // For each tick with a limit, up to that: noise runs into the joints' speed in single ones.
   static constexpr int kRecoveryPerTick = 10;
+  static constexpr int kFree = 2 * kRecovery;  // [ticks]: the tool leaves the wall, and recovers
   struct Limits {
     double command = 1e-9;  // [m]
     double tool = 1e-3;     // [m]
+    double handle = 1e-4;   // [m] as measured from where it truly is
+    int played_out = 0;     // [ticks] that what is asked for may have been asked before
+    // What the hand moved before it was heard stays between it and the tool, as by waves.
+    bool keeps_offset = false;
+  };
+  // What there is to touch: a point of its surface and the direction to its free side.
+  struct Wall {
+    Vec3 point, normal;
   };
 
-  Tracking(const Loopback& loop, Checkers& checkers, const Limits& limits) noexcept;
+  Tracking(const Loopback& loop, Checkers& checkers, const Limits& limits,
+           const std::optional<Wall>& wall) noexcept;
 
+  // Just before the master's sample is sent.
+  void sampling() noexcept;
   // Every tick; judge: it must follow by now.
   void check(const SlaveTick& tick, bool judge);
 
-  // Of the tool behind the handle at the same instant; of the command; of the tool from the ideal.
+  // [ticks] of those to be judged: that were, that a limit kept from it, and that the hand, or the
+  // command where an offset is kept, had been free of the wall for kFree.
+  long judged() const noexcept { return judged_; }
+  long limited() const noexcept { return limited_; }
+  long free() const noexcept { return free_; }
+  // Of the tool behind the handle at the same instant; of the command, beyond what is played out;
+  // of the tool from the ideal, beyond what was wound up.
   const Rms& lag() const noexcept { return lag_; }
   const Rms& command() const noexcept { return command_; }
   const Rms& tool() const noexcept { return tool_; }
 
  private:
-  void judge(const Vec3& p_cmd, const Vec3& p_ideal, const Vec3& p_SE);
+  struct Places {
+    Vec3 p_cmd, p_ideal, p_SE;
+    Vec3 asked;  // by the newest message
+  };
+  void start(const Places& at) noexcept;
+  void judge(const Places& at);
+  bool clear(const Places& at) const noexcept;
+  double moved_lately() const noexcept;
   double wind_up(const SlaveTick& tick, const Wrench& F_E_S) const noexcept;
 
   const Loopback& loop_;
   Checkers& checkers_;
   Limits limits_;
+  AtLimit at_limit_;
   IdealServo ideal_;
   bool coupled_ = false;
-  int held_ = 0;      // [ticks] until it has recovered from what held it back
-  double wound_ = 0;  // [m]
+  int touched_ = 0, held_ = 0;  // [ticks] until it has recovered from contact, from limits
+  double wound_ = 0;            // [m]
+  std::optional<Wall> wall_;
+  int clear_ = 0;  // [ticks] of the wall
+  // Where the command is kept off from what is asked for, and what was to be played out then.
+  struct Offset {
+    Vec3 by;
+    double slack = 0;
+  };
+  std::optional<Offset> offset_;
+  std::vector<Vec3> asked_;  // in the last ticks, a ring
+  std::size_t next_ = 0;
+  long judged_ = 0, limited_ = 0, free_ = 0;
+  std::array<Vec3, 4096> given_{};  // where the handle was for each order, by its number
   Rms lag_, command_, tool_;
 };
 

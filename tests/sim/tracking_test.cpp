@@ -16,11 +16,15 @@ class TrackingTest : public ::testing::Test {
   std::string verdict(const Scene& scene) {
     Loopback loop(scene, {.duration_s = 6});
     Checkers checkers(loop);
-    Tracking tracking(loop, checkers, {});
+    Tracking tracking(loop, checkers, {}, {});
     loop.on_robot = robot;
+    loop.on_reading = [&](HandleReading& r) {
+      reading(r, seconds(loop.now() - loop.start()));
+      tracking.sampling();
+    };
     loop.on_slave = [&](SlaveTick t) {
       tick(t);
-      tracking.check(t, true);
+      tracking.check(t, seconds(loop.now() - loop.start()) > from);
     };
     loop.run();
     EXPECT_EQ(tracking.tool().count > 0, judged);
@@ -28,8 +32,10 @@ class TrackingTest : public ::testing::Test {
   }
 
   std::function<void(RobotReading&)> robot = [](RobotReading&) {};
+  std::function<void(HandleReading&, double)> reading = [](HandleReading&, double) {};
   std::function<void(SlaveTick&)> tick = [](SlaveTick&) {};
   bool judged = true;
+  double from = 0;  // [s]
 };
 
 TEST_F(TrackingTest, AcceptsARobotThatFollows) {
@@ -46,15 +52,26 @@ TEST_F(TrackingTest, RefusesACommandThatIsNotWhatWasAskedFor) {
   EXPECT_EQ(verdict(shipped("twin_delta_free")), "the command is off");
 }
 
-TEST_F(TrackingTest, JudgesNothingSoonAfterTheSlaveReportedALimit) {
-  robot = [](RobotReading& r) { r.q[0] += 0.01; };
-  long n = 0;
-  tick = [&](SlaveTick& t) {
-    if (n++ % Tracking::kRecovery < Tracking::kRecovery / Tracking::kRecoveryPerTick)
-      t.limits |= kLimitSpeed;
-  };
+// Farther and farther from where the handle is, so that no reference makes up for it.
+TEST_F(TrackingTest, RefusesARobotThatFollowsAnotherHandle) {
+  reading = [](HandleReading& r, double t) { r.theta[0] += 0.02 * t; };
+  EXPECT_EQ(verdict(shipped("twin_delta_free")), "the tool lags more");
+}
+
+TEST_F(TrackingTest, RefusesALimitThatIsNone) {
+  tick = [](SlaveTick& t) { t.limits |= kLimitSpeed; };
   judged = false;
-  EXPECT_EQ(verdict(shipped("twin_delta_free")), "");
+  EXPECT_EQ(verdict(shipped("twin_delta_free")), "a limit is reporte");
+}
+
+// A tool that may never go as fast as the hand.
+TEST_F(TrackingTest, JudgesNothingWhereALimitHoldsTheRobotBack) {
+  Scene scene = shipped("twin_delta_free");
+  scene.proto.mutable_slave()->mutable_workspace()->set_max_tool_speed_m_per_s(0.001);
+  robot = [](RobotReading& r) { r.q[0] += 0.01; };
+  judged = false;
+  from = 1.5;  // the hand moves
+  EXPECT_EQ(verdict(scene), "");
 }
 
 // Against the error transfer function of the servo, whose feed-forward is not filtered there.

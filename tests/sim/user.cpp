@@ -15,7 +15,6 @@ User::Buttons User::carelessly(Duration t) {
 }
 
 User::Buttons User::carefully(Duration t, Mode master, Mode slave) {
-  constexpr Duration kReaction = std::chrono::milliseconds(200);
   if (!since_) {
     since_ = t;
     now_ = {};
@@ -35,6 +34,17 @@ User::Buttons User::carefully(Duration t, Mode master, Mode slave) {
     now_.dead_man = true, since_ = t;
   }
   return now_;
+}
+
+Vec3 User::turn(Duration t, const MasterTick& shown) {
+  constexpr double kGain = 4;  // [1/s]
+  constexpr double kRate = 1;  // [rad/s]
+  if (shown.reason != Reason::turn_handle && shown.slave_reason != Reason::turn_handle)
+    turn_told_.reset();
+  else if (!turn_told_)
+    turn_told_ = t;
+  if (!turn_told_ || t - *turn_told_ < kReaction) return Vec3::Zero();
+  return clamp_norm(Vec3(kGain * shown.turn_M), kRate);
 }
 
 }  // namespace farhand

@@ -1,6 +1,7 @@
 // The operator's fingers: in the fault phase dead-man and clutch are pressed and released at
 // random, by somebody who sometimes heeds the display and sometimes does not; afterwards as an
-// operator would: let go, clear a fault by the clutch, wait for READY, press and hold.
+// operator would: let go, clear a fault by the clutch, wait for READY, press and hold. All along
+// the hand turns the handle when told to.
 #pragma once
 
 #include "common/random.hpp"
@@ -19,6 +20,9 @@ class User {
   Buttons carelessly(Duration t);
   Buttons carefully(Duration t, Mode master, Mode slave);
 
+  // How fast the hand turns the handle [rad/s], M axes, by what the master's last tick displayed.
+  Vec3 turn(Duration t, const MasterTick& shown);
+
   // Of the careful half: when first both were READY with the dead-man released, and then ENGAGED.
   std::optional<Duration> ready, engaged;
 
@@ -27,7 +31,9 @@ class User {
   void flip(Duration t, bool& button, Duration& next, double held, double released);
 
   Random random_;
+  static constexpr Duration kReaction = std::chrono::milliseconds(200);
   Buttons now_;
+  std::optional<Duration> turn_told_;
   Duration next_dead_man_{}, next_clutch_{};
   std::optional<Duration> since_;  // of the present careful step
 };

@@ -1,6 +1,7 @@
 #include "tests/sim/watch.hpp"
 
 #include "common/codec.hpp"
+#include "common/energy_budget.hpp"
 #include "tests/loop/truth.hpp"
 
 namespace farhand {
@@ -13,7 +14,9 @@ double store_of(const CompensatedForceConfig& method) {
   if (const auto* c = std::get_if<MediatedCouplingConfig>(&method)) return c->tank.start;
   if (const auto* c = std::get_if<ChosenCouplingConfig>(&method))
     return c->mediated.tank.start + c->damped.guard.store;
-  return 0;
+  if (const auto* c = std::get_if<DirectCouplingConfig>(&method)) return c->translation.store;
+  if (const auto* c = std::get_if<SmithCouplingConfig>(&method)) return c->guard.store;
+  return kEnergyStore;  // waves
 }
 
 }  // namespace
@@ -120,7 +123,7 @@ void Watch::check(const SlaveTick& t) {
   checkers_.expect(t.X_SE_target.p.allFinite() && t.X_SE_target.R.allFinite() &&
                        t.q_cmd.allFinite() && is_finite(t.F_E_S),
                    "slave not finite", NAN, 0);
-  told_ = t.out.energies.translation;
+  told_ = t.out.energies.translation + t.out.wave.E;
 
   const Duration silent = silence(link, t.now);
   const bool fresh = silent <= loop_.slave()->config().stale;

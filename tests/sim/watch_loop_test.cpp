@@ -4,6 +4,7 @@
 #include "common/scene_network.hpp"
 #include "tests/loop/pressing.hpp"
 #include "tests/sim/attacker.hpp"
+#include "tests/sim/plan_scene.hpp"
 #include "tests/sim/watch.hpp"
 
 namespace farhand {
@@ -41,16 +42,14 @@ void expect_told(const std::string& verdict, const std::string& what) {
   EXPECT_NE(verdict.find(what), std::string::npos) << verdict;
 }
 
-constexpr std::array<void (*)(proto::Compensation&), 3> kGuarded = {
-    [](proto::Compensation& c) { c.mutable_damped(); },
-    [](proto::Compensation& c) { c.mutable_mmt(); },
-    [](proto::Compensation& c) { c.mutable_auto_(); }};
+constexpr std::array<const char*, 6> kGuarded = {"damped", "mmt",  "auto",
+                                                 "direct", "wave", "smith"};
 
 // What the hand put into the wall came out of it.
 TEST(WatchLoop, RefusesACompensationThatGivesTheHandEnergy) {
-  for (const auto choose : kGuarded) {
+  for (const char* method : kGuarded) {
     Scene scene = pressing_over(40, 500, false);
-    choose(*scene.proto.mutable_compensation());
+    choose_method(scene, method);
     EXPECT_EQ(Watched(scene, 5).verdict(), "");
     Watched wrong(scene, 5);
     wrong.spoil = [](MasterTick& t) { t.F_env_G.force = -t.F_env_G.force; };
