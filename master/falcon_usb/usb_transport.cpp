@@ -204,7 +204,6 @@ void UsbTransport::push(const Event& event) noexcept {
 }
 
 const Event* UsbTransport::next_event(TimePoint now) noexcept {
-  if (size_ == 0) handle_events(context_, Duration::zero());
   settle(now);
   if (size_ == 0) return nullptr;
   event_ = events_[first_];

@@ -30,8 +30,9 @@ class UsbTransport {
   UsbTransport(const UsbTransport&) = delete;
   UsbTransport& operator=(const UsbTransport&) = delete;
 
-  // Until something happens or `most` has passed. Without a device looks for one, at most four
-  // times a second.
+  // Until something happens or `most` has passed; next_event() tells what did. Events come in here
+  // alone, so that a bus faster than its listener does not hold him. Without a device looks for
+  // one, at most four times a second.
   void wait(Duration most, TimePoint now);
   void submit(const Request& request, TimePoint now) noexcept;
   const Event* next_event(TimePoint now) noexcept;
