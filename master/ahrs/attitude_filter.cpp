@@ -73,34 +73,36 @@ void AttitudeFilter::find_rest(const Vec3& gyro_H, double dt) noexcept {
   yaw_.know_rate(config_.bias_at_rest);
 }
 
-void AttitudeFilter::correct_tilt(const Vec3& gravity_M, double dt) noexcept {
+Quat AttitudeFilter::correct_tilt(const Vec3& gravity_M, double dt) noexcept {
   const double size = gravity_M.norm();
   const double trust = 1 - std::abs(size - kGravity) / config_.off_gravity;
-  if (!(trust > 0)) return;
+  if (!(trust > 0)) return Quat::Identity();
   const double sigma = config_.tilt_noise / std::sqrt(trust);
   const double share = std::max(trust * config_.tilt_rate * dt, tilt_.share(sigma));
-  correct(gravity_M.cross(config_.up_M) / size, share, trust * dt);
   tilt_.measured(sigma);
+  return correct(gravity_M.cross(config_.up_M) / size, share, trust * dt);
 }
 
-void AttitudeFilter::correct_yaw(const Vec3& field_M, double dt) noexcept {
+Quat AttitudeFilter::correct_yaw(const Vec3& field_M, double dt) noexcept {
   const Vec3& up = config_.up_M;
-  if (!yaw_measured_) return;
+  if (!yaw_measured_) return Quat::Identity();
   const bool disturbed = !(std::abs(field_M.norm() / field_size_ - 1) < config_.off_field) ||
                          !(std::abs(dip(field_M, up) - field_dip_) < config_.off_field);
-  if (disturbed) return;
+  if (disturbed) return Quat::Identity();
   const Vec3 north = level(field_M, up);
   const double angle = std::atan2(up.dot(north.cross(north_M_)), north.dot(north_M_));
   const double share = std::max(config_.yaw_rate * dt, yaw_.share(config_.yaw_noise));
-  correct(angle * up, share, dt);
   turned_ *= 1 - std::min(share, 1.0);
   yaw_.measured(config_.yaw_noise);
+  return correct(angle * up, share, dt);
 }
 
-void AttitudeFilter::correct(const Vec3& error_M, double share, double dt) noexcept {
+Quat AttitudeFilter::correct(const Vec3& error_M, double share, double dt) noexcept {
   bias_ -= config_.bias_rate * dt * (q_MH_.conjugate() * error_M);
   bias_ = bounded(bias_, config_.max_bias);
-  q_MH_ = (turned_by(std::min(share, 1.0) * error_M) * q_MH_).normalized();
+  const Quat turn = turned_by(std::min(share, 1.0) * error_M);
+  q_MH_ = (turn * q_MH_).normalized();
+  return turn;
 }
 
 double AttitudeFilter::tilt_sigma() const noexcept {

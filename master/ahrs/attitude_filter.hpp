@@ -53,12 +53,15 @@ class AttitudeFilter {
   void turn(const Vec3& gyro_H, double dt) noexcept;
   // dt [s] of which nothing is known.
   void missed(double dt, double turn_rate) noexcept;
+  // Both corrections return the turn that they made, in M axes: what was written in M by the filter
+  // before it has to be turned, too.
+  //
   // Specific force [m/s^2] without the grip's own acceleration, M axes by this filter; dt [s] since
   // the last. Does little while its size is not that of gravity.
-  void correct_tilt(const Vec3& gravity_M, double dt) noexcept;
+  Quat correct_tilt(const Vec3& gravity_M, double dt) noexcept;
   // Field [T] in M axes by this filter. Does nothing before start() has seen one, nor while size or
   // dip differ from then.
-  void correct_yaw(const Vec3& field_M, double dt) noexcept;
+  Quat correct_yaw(const Vec3& field_M, double dt) noexcept;
 
   const Quat& q_MH() const noexcept { return q_MH_; }
   const Vec3& bias() const noexcept { return bias_; }  // [rad/s], H axes
@@ -69,7 +72,7 @@ class AttitudeFilter {
 
  private:
   void find_rest(const Vec3& gyro_H, double dt) noexcept;
-  void correct(const Vec3& error_M, double share, double dt) noexcept;
+  Quat correct(const Vec3& error_M, double share, double dt) noexcept;
 
   AttitudeFilterConfig config_;
   Quat q_MH_ = Quat::Identity();

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "common/limits.hpp"
+
 namespace farhand {
 namespace {
 
@@ -77,23 +79,19 @@ void GripMotion::align(const AhrsSample& sample, TimePoint at) noexcept {
   const bool at_rest = (a.most - a.least).maxCoeff() < kRestRange * config_.attitude.rest_turn;
   filter_.start(a.force, a.gyro / a.count, at_rest, magnetic.allFinite() ? &magnetic : nullptr);
   upright_ = true;
-  returned_ = true;
 }
 
 void GripMotion::turn(const AhrsSample& sample, TimePoint at) noexcept {
   const double dt = seconds(at - last_);
-  returned_ = returned_ || at - last_ > config_.coast;
   if (at - last_ <= config_.lost) filter_.turn((gyro_H_ + sample.gyro) / 2, dt);
   const Vec3 omega = sample.gyro - filter_.bias(), alpha = (sample.gyro - gyro_H_) / dt;
   const Vec3 swing = alpha.cross(config_.p_HI) + omega.cross(omega.cross(config_.p_HI));
-  if (waiting_count_ == waiting_.size()) {
-    first_ = (first_ + 1) % waiting_.size();
-    --waiting_count_;
-    observed_ -= observed_ > 0;
-  }
-  waiting_[(first_ + waiting_count_++) % waiting_.size()] = {
-      .at = at, .dt = dt, .force_M = filter_.q_MH() * (sample.acceleration - swing)};
-  if (sample.magnetic) filter_.correct_yaw(filter_.q_MH() * *sample.magnetic, dt);
+  forces_[taken_++ % kForces] = {
+      .at = at,
+      .dt = std::min(dt, seconds(config_.coast)),
+      .force_M = filter_.q_MH() * (sample.acceleration - swing)};
+  if (sample.magnetic)
+    turn_forces(filter_.correct_yaw(filter_.q_MH() * *sample.magnetic, forces_[(taken_ - 1) % kForces].dt));
 }
 
 const GripMotionEstimate& GripMotion::step(TimePoint now, const Vec3* p_MH) noexcept {
@@ -101,13 +99,13 @@ const GripMotionEstimate& GripMotion::step(TimePoint now, const Vec3* p_MH) noex
   if (p_MH != nullptr) {
     observer_.step(*p_MH);
     observe(now);
-    correct_tilt(now);
+    compare(now);
     given_.X_MH.p = observer_.state().p;
     given_.V_MH.linear = observer_.state().v;
     given_.a_MH = observer_.state().a;
   } else {
     observer_.restart();
-    waiting_count_ = observed_ = 0;
+    observed_ = compared_ = taken_;
     given_.V_MH.linear.setZero();
     given_.a_MH.setZero();
   }
@@ -117,32 +115,63 @@ const GripMotionEstimate& GripMotion::step(TimePoint now, const Vec3* p_MH) noex
 
 // What came since the last tick is the grip's acceleration.
 void GripMotion::observe(TimePoint now) noexcept {
-  for (; observed_ < waiting_count_; ++observed_) {
-    const Waiting& w = waiting_[(first_ + observed_) % waiting_.size()];
-    observer_.acceleration(ticks(now - w.at), w.force_M - kGravity * config_.attitude.up_M);
+  for (; observed_ < taken_; ++observed_) {
+    if (filter_.tilt_sigma() > config_.sure_tilt) continue;
+    const Force& f = force(observed_);
+    observer_.acceleration(ticks(now - f.at), f.force_M - kGravity * config_.attitude.up_M);
   }
 }
 
-// The encoders' acceleration: second difference of three means, in M, around the sample's instant.
-void GripMotion::correct_tilt(TimePoint now) noexcept {
-  const int block = 2 * half_block_ + 1, reach = block + half_block_;
-  for (; waiting_count_ > 0; --waiting_count_, --observed_) {
-    const Waiting& w = waiting_[first_];
-    const int middle = static_cast<int>(std::lround(ticks(now - w.at)));
-    if (middle < reach) return;
-    first_ = (first_ + 1) % waiting_.size();
-    if (!observer_.remembers(middle + reach)) continue;
-    Vec3 sum = Vec3::Zero();
-    for (int i = -half_block_; i <= half_block_; ++i)
-      sum += observer_.position(middle + block + i) - 2 * observer_.position(middle + i) +
-             observer_.position(middle - block + i);
-    const double apart = block * config_.observer.Ts;
+// Once the encoders know what surrounds a sample, its force less their acceleration points up.
+void GripMotion::compare(TimePoint now) noexcept {
+  const int reach = 3 * half_block_ + 1;
+  const double reach_s = (reach + 0.5) * config_.observer.Ts;
+  compared_ = std::max(compared_, taken_ - std::min(taken_, kForces / 2));
+  for (; compared_ < taken_; ++compared_) {
+    const Force& f = force(compared_);
+    const int middle = static_cast<int>(std::lround(ticks(now - f.at)));
+    if (middle < reach || seconds(force(taken_ - 1).at - f.at) < reach_s) return;
+    const auto force_M = smoothed_force(compared_, reach_s);
+    if (!force_M || !observer_.remembers(middle + reach)) continue;
     given_.compared = true;
-    given_.a_encoder_M = sum / (block * apart * apart);
-    const Vec3 gravity = w.force_M - given_.a_encoder_M;
+    given_.a_encoder_M = encoder_acceleration(middle);
+    const Vec3 gravity = *force_M - given_.a_encoder_M;
     given_.disagreement_M = gravity - kGravity * config_.attitude.up_M;
-    filter_.correct_tilt(gravity, w.dt);
+    turn_forces(filter_.correct_tilt(gravity, f.dt));
   }
+}
+
+void GripMotion::turn_forces(const Quat& turn_M) noexcept {
+  const Mat3 R = turn_M.toRotationMatrix();
+  for (Force& f : forces_) f.force_M = R * f.force_M;
+}
+
+// Second difference of three means.
+Vec3 GripMotion::encoder_acceleration(int middle) const noexcept {
+  const int block = 2 * half_block_ + 1;
+  Vec3 sum = Vec3::Zero();
+  for (int i = -half_block_; i <= half_block_; ++i)
+    sum += observer_.position(middle + block + i) - 2 * observer_.position(middle + i) +
+           observer_.position(middle - block + i);
+  const double apart = block * config_.observer.Ts;
+  return sum / (block * apart * apart);
+}
+
+// The forces around a sample with the weights that this difference gives the acceleration: the
+// quadratic B-spline of its blocks. Nothing when it has no neighbour on one side.
+std::optional<Vec3> GripMotion::smoothed_force(std::uint64_t sample, double reach) const noexcept {
+  Vec3 sum = Vec3::Zero();
+  double weights = 0, sides[2] = {0, 0};
+  for (std::uint64_t i = taken_ - std::min(taken_, kForces); i < taken_; ++i) {
+    const double off = seconds(force(i).at - force(sample).at) / reach;  // -1 to 1
+    const double x = std::abs(off);
+    const double weight = x < 1.0 / 3 ? 2.0 / 3 - 2 * x * x : x < 1 ? (1 - x) * (1 - x) : 0;
+    sum += weight * force(i).force_M;
+    weights += weight;
+    if (i != sample) sides[off > 0] += weight;
+  }
+  if (!(sides[0] > 0 && sides[1] > 0)) return {};
+  return sum / weights;
 }
 
 void GripMotion::orient(TimePoint now) noexcept {
@@ -158,21 +187,16 @@ void GripMotion::orient(TimePoint now) noexcept {
   const double slowing = seconds(config_.lost - config_.coast);
   const double late = std::clamp(seconds(age - config_.coast), 0.0, slowing);
   const double rate = 1 - late / slowing;
+  rate_ = std::min(rate, rate_ + Ts / slowing);
   const double turning = seconds(std::min(age, config_.coast)) + late * (1 + rate) / 2;
   const Vec3 omega_H = gyro_H_ - filter_.bias();
   const Quat target = filter_.q_MH() * turned_by(turning * omega_H);
 
-  if (returned_) offset_ = Quat(given_.X_MH.R) * target.conjugate();
-  returned_ = false;
-  const Vec3 off = rotation_vector(offset_.toRotationMatrix());
-  const double angle = off.norm();
-  const double back = std::min(angle, config_.return_rate * Ts);
-  given_.V_MH.angular = rate * (target * omega_H);
-  if (angle > 0) {
-    offset_ = turned_by(off * ((angle - back) / angle));
-    given_.V_MH.angular -= off * (back / (angle * Ts));
-  }
-  given_.X_MH.R = (offset_ * target).normalized().toRotationMatrix();
+  given_.V_MH.angular = rate_ * (target * omega_H);
+  const Quat turned = turned_by(Ts * given_.V_MH.angular) * Quat(given_.X_MH.R);
+  const Vec3 off = rotation_vector((target * turned.conjugate()).toRotationMatrix());
+  const Quat back = turned_by(clamp_norm(off, config_.return_rate * Ts));
+  given_.X_MH.R = (back * turned).normalized().toRotationMatrix();
 }
 
 }  // namespace farhand

@@ -9,8 +9,8 @@
 //
 // While no sample comes the orientation goes on turning for coast, slows down until lost and then
 // stays; its uncertainty grows. Position and velocity become those of the encoders alone
-// (grip_observer.hpp). When samples come back the orientation goes to the filter's at return_rate:
-// nothing jumps.
+// (grip_observer.hpp) and stay so until the tilt is known again. The orientation given turns as the
+// gyroscope says and goes to the filter's at return_rate at most: nothing jumps.
 #pragma once
 
 #include "common/recent_minimum.hpp"
@@ -33,6 +33,8 @@ struct GripMotionConfig {
   Duration lost{std::chrono::milliseconds(100)};   // age of a sample
   double lost_turn_rate = 0.5;  // [rad/s] standard deviation of how the grip turns meanwhile
   double return_rate = 0.5;     // [rad/s]
+  double sure_tilt = 0.05;      // [rad] beyond this standard deviation gravity is not told apart
+                                // from acceleration, and the encoders are alone
 };
 
 enum class AhrsState : std::uint8_t { absent, aligning, ok, lost };
@@ -63,10 +65,9 @@ class GripMotion {
   const AttitudeFilter& filter() const noexcept { return filter_; }
 
  private:
-  // The specific force of a sample until the encoders know what surrounds it.
-  struct Waiting {
+  struct Force {
     TimePoint at{};
-    double dt = 0;
+    double dt = 0;  // [s] since the sample before
     Vec3 force_M = Vec3::Zero();
   };
   struct Alignment {
@@ -80,8 +81,12 @@ class GripMotion {
   void align(const AhrsSample& sample, TimePoint at) noexcept;
   void turn(const AhrsSample& sample, TimePoint at) noexcept;
   void observe(TimePoint now) noexcept;
-  void correct_tilt(TimePoint now) noexcept;
+  void compare(TimePoint now) noexcept;
+  void turn_forces(const Quat& turn_M) noexcept;
+  std::optional<Vec3> smoothed_force(std::uint64_t sample, double reach) const noexcept;
+  Vec3 encoder_acceleration(int middle) const noexcept;
   void orient(TimePoint now) noexcept;
+  const Force& force(std::uint64_t sample) const noexcept { return forces_[sample % kForces]; }
   double ticks(Duration d) const noexcept { return seconds(d) / config_.observer.Ts; }
 
   GripMotionConfig config_;
@@ -93,14 +98,15 @@ class GripMotion {
   Duration first_delay_{}, device_time_{-1};
   bool started_ = false;    // a sample came
   bool upright_ = false;    // the filter has its first orientation
-  bool returned_ = false;   // a sample after a gap, not yet acted upon
   TimePoint last_{};        // instant of the last sample
   Vec3 gyro_H_ = Vec3::Zero();
   Alignment alignment_;
-  std::array<Waiting, 32> waiting_{};
-  std::size_t first_ = 0, waiting_count_ = 0, observed_ = 0;  // oldest, how many, how many observed
+  static constexpr std::uint64_t kForces = 32;
+  std::array<Force, kForces> forces_{};  // the last ones
+  // Samples so far: that came, that the observer has, that were compared with the encoders.
+  std::uint64_t taken_ = 0, observed_ = 0, compared_ = 0;
 
-  Quat offset_ = Quat::Identity();  // given = offset * filter's
+  double rate_ = 0;  // share of the turning that is believed
   GripMotionEstimate given_;
 };
 

@@ -177,7 +177,9 @@ TEST(AhrsMotion, LossIsNoJumpAndIsSaid) {
   EXPECT_EQ(after, AhrsState::ok);
   EXPECT_LE(held, 1e-9);
   EXPECT_GE(kDegrees * sigma, 10);
-  EXPECT_LE(kDegrees * jump_R, 0.2);
+  EXPECT_LE(kDegrees * jump_R, 0.1);
+  EXPECT_LE(kDegrees * jump_w, 15);  // of 90 deg/s
+  EXPECT_LE(jump_v, 1.5 * usual_v);
   EXPECT_LE(kDegrees * end, 2);
 }
 
