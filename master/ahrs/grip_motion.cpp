@@ -192,7 +192,7 @@ void GripMotion::orient(TimePoint now) noexcept {
   const Vec3 omega_H = gyro_H_ - filter_.bias();
   const Quat target = filter_.q_MH() * turned_by(turning * omega_H);
 
-  given_.V_MH.angular = rate_ * (target * omega_H);
+  given_.V_MH.angular = rate_ * (given_.X_MH.R * omega_H);
   const Quat turned = turned_by(Ts * given_.V_MH.angular) * Quat(given_.X_MH.R);
   const Vec3 off = rotation_vector((target * turned.conjugate()).toRotationMatrix());
   const Quat back = turned_by(clamp_norm(off, config_.return_rate * Ts));

@@ -25,10 +25,10 @@ namespace farhand {
 struct GripObserverConfig {
   double Ts = 0.001;                 // [s] of a tick
   double position_noise = 4e-5;      // [m] of one encoder position, its step mostly
-  double acceleration_noise = 0.004;  // [m/s^2/sqrt(Hz)]
+  double acceleration_noise = 0.01;   // [m/s^2/sqrt(Hz)]
   double bias_walk = 0.02;           // [m/s^2/sqrt(s)] its offset, tilt and place included
-  double first_acceleration = 0.15;  // [m/s^2] how well a sample tells the acceleration
-  double jerk = 40;                  // [m/s^3/sqrt(Hz)] of a hand
+  double first_acceleration = 0.1;   // [m/s^2] how well a sample tells the acceleration
+  double jerk = 6;                   // [m/s^3/sqrt(Hz)] of a hand
   double longest_gap = 0.05;         // [s] between samples, over which it is interpolated
 };
 

@@ -72,9 +72,9 @@ Measured measure(const GripRig& rig, double duration) {
 }
 
 TEST(AhrsMotion, OrientationIsWithinADegreeWithAMagnetometer) {
-  for (const double rate : {50.0, 100.0, 200.0}) {
+  for (const double rate : {50.0, 200.0}) {
     double worst = 0;
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
       GripRig rig{.ahrs = {.rate = rate}, .seed = seed};
       rig.motion.period = from_seconds(1 / rate);
       const Measured m = measure(rig, 60);
@@ -131,13 +131,15 @@ TEST(AhrsMotion, VelocityErrorIsHalfOfTheDifferencesAtEqualDelay) {
               1e3 * kalman.error, 1e3 * kalman.delay, 1e3 * error_at(v, alone.course, kFrom, 0));
 }
 
-TEST(AhrsMotion, ALatencyBelievedWrongCostsLittle) {
+TEST(AhrsMotion, ALatencyBelievedWrongCostsLessThanTheAhrsGains) {
   for (const int ms : {1, 3, 5, 7, 9}) {
     GripRig rig;
     rig.motion.latency = std::chrono::milliseconds(ms);
     const Measured m = measure(rig, 20);
-    std::printf("latency believed %d ms: velocity %.2f mm/s, orientation %.2f deg\n", ms,
-                1e3 * error_at(m.v, rig.course, kFrom, 0), kDegrees * m.whole.value());
+    const double error = error_at(m.v, rig.course, kFrom, 0);
+    std::printf("latency believed %d ms: velocity %.2f mm/s, orientation %.2f deg\n", ms, 1e3 * error,
+                kDegrees * m.whole.value());
+    EXPECT_LE(error, 0.5 * error_at(differences(m.p, 60), rig.course, kFrom, 0)) << ms;
   }
 }
 
@@ -235,7 +237,7 @@ TEST(AhrsMotion, RestsInManyOrientationsFitOffsetAndScale) {
     EXPECT_LE(fitted->residual, 0.01) << "seed " << seed;
   }
   std::printf("accelerometer: off by %.3f m/s^2 at most, %.4f after the fit\n", raw, worst);
-  EXPECT_LE(worst, 0.05);  // the default of sim_ahrs.hpp
+  EXPECT_LE(worst, 0.03);  // the default of sim_ahrs.hpp
 }
 
 TEST(AhrsMotion, OrientationsTooMuchAlikeFitNothing) {
