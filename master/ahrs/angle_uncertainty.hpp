@@ -13,7 +13,8 @@ class AngleUncertainty {
  public:
   AngleUncertainty() = default;
   // Standard deviations of angle [rad] and rate error [rad/s].
-  AngleUncertainty(double angle, double rate) noexcept : angle_(angle * angle), rate_(rate * rate) {}
+  AngleUncertainty(double angle, double rate) noexcept
+      : angle_(angle * angle), rate_(rate * rate) {}
 
   double sigma() const noexcept { return std::min(std::sqrt(angle_), std::numbers::pi); }  // [rad]
 

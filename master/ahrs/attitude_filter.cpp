@@ -3,8 +3,8 @@
 namespace farhand {
 namespace {
 
-constexpr double kSlow = 0.5;       // [s] of the gyroscope's mean at rest
-constexpr double kBiasTime = 1;     // [s] in which the bias follows it there
+constexpr double kSlow = 0.5;        // [s] of the gyroscope's mean at rest
+constexpr double kBiasTime = 1;      // [s] in which the bias follows it there
 constexpr double kFirstTilt = 0.01;  // [rad]
 
 // exp of the rotation vector, for turns up to a few radians.

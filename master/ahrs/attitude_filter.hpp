@@ -28,15 +28,15 @@ struct AttitudeFilterConfig {
   double rest_bias = 0.03;   // [rad/s] from the bias so far, more is a steady turn
   double rest_time = 1.5;    // [s]
   // What the sensors are taken to be, for the uncertainties.
-  double gyro_noise = 1.8e-4;     // [rad/s/sqrt(Hz)]
-  double bias_walk = 6e-5;        // [rad/s/sqrt(s)]
-  double bias_unknown = 0.0175;   // [rad/s] at start, if it starts in motion
-  double bias_at_rest = 5e-4;     // [rad/s] after rest
-  double turn_error = 0.006;      // share of a turn, the gyroscope's scale
-  double tilt_noise = 0.05;       // [rad] of one measurement
-  double yaw_noise = 0.05;        // [rad] the same
-  double tilt_floor = 0.006;      // [rad] what no averaging removes: the accelerometer's offset
-  double yaw_floor = 0.015;       // [rad] the magnetometer's
+  double gyro_noise = 1.8e-4;    // [rad/s/sqrt(Hz)]
+  double bias_walk = 6e-5;       // [rad/s/sqrt(s)]
+  double bias_unknown = 0.0175;  // [rad/s] at start, if it starts in motion
+  double bias_at_rest = 5e-4;    // [rad/s] after rest
+  double turn_error = 0.006;     // share of a turn, the gyroscope's scale
+  double tilt_noise = 0.05;      // [rad] of one measurement
+  double yaw_noise = 0.05;       // [rad] the same
+  double tilt_floor = 0.006;     // [rad] what no averaging removes: the accelerometer's offset
+  double yaw_floor = 0.015;      // [rad] the magnetometer's
 };
 
 class AttitudeFilter {
@@ -78,8 +78,8 @@ class AttitudeFilter {
   Quat q_MH_ = Quat::Identity();
   Vec3 bias_ = Vec3::Zero();
   Vec3 slow_gyro_ = Vec3::Zero();
-  double still_for_ = 0;           // [s]
-  Vec3 north_M_ = Vec3::Zero();    // of the field, level; zero without
+  double still_for_ = 0;         // [s]
+  Vec3 north_M_ = Vec3::Zero();  // of the field, level; zero without
   double field_size_ = 0, field_dip_ = 0;
   bool yaw_measured_ = false;
   AngleUncertainty tilt_, yaw_;

@@ -7,8 +7,8 @@ namespace farhand {
 
 struct FrameScan {
   enum class Kind : std::uint8_t { more, none, frame };
-  Kind kind = Kind::none;          // more: these may begin a frame. none: the first byte begins none
-  std::size_t size = 0;            // of the frame, its checksum right
+  Kind kind = Kind::none;  // more: these may begin a frame. none: the first byte begins none
+  std::size_t size = 0;    // of the frame, its checksum right
   std::optional<AhrsSample> sample{};  // nothing: a frame of something else
 };
 inline constexpr FrameScan kMoreBytes{.kind = FrameScan::Kind::more};
@@ -34,7 +34,8 @@ inline FrameScan framed(std::size_t size, const AhrsSample& sample) noexcept {
 }
 
 // Of a clock that counts so many nanoseconds; nothing for what no device has lived, 146 years.
-inline std::optional<Duration> device_time(std::uint64_t count, std::uint64_t nanoseconds) noexcept {
+inline std::optional<Duration> device_time(std::uint64_t count,
+                                           std::uint64_t nanoseconds) noexcept {
   if (count > (std::uint64_t{1} << 62) / nanoseconds) return {};
   return Duration(static_cast<Duration::rep>(count * nanoseconds));
 }

@@ -26,8 +26,8 @@ GripMotion::GripMotion(const GripMotionConfig& config) noexcept
     : config_(config),
       filter_(config.attitude),
       observer_(config.observer),
-      half_block_(std::min(static_cast<int>(std::lround(kHalfBlock / config.observer.Ts)),
-                           kMostHalfBlock)),
+      half_block_(
+          std::min(static_cast<int>(std::lround(kHalfBlock / config.observer.Ts)), kMostHalfBlock)),
       delay_(kDelayWindow) {}
 
 TimePoint GripMotion::date(const AhrsSample& sample, TimePoint arrived) noexcept {
@@ -67,7 +67,8 @@ void GripMotion::take(const AhrsSample& raw, TimePoint arrived) noexcept {
 
 void GripMotion::align(const AhrsSample& sample, TimePoint at) noexcept {
   Alignment& a = alignment_;
-  if (a.count == 0 || at - last_ > config_.lost) a = {.begin = at, .least = sample.gyro, .most = sample.gyro};
+  if (a.count == 0 || at - last_ > config_.lost)
+    a = {.begin = at, .least = sample.gyro, .most = sample.gyro};
   ++a.count;
   a.gyro += sample.gyro;
   a.force += sample.acceleration;
@@ -86,12 +87,12 @@ void GripMotion::turn(const AhrsSample& sample, TimePoint at) noexcept {
   if (at - last_ <= config_.lost) filter_.turn((gyro_H_ + sample.gyro) / 2, dt);
   const Vec3 omega = sample.gyro - filter_.bias(), alpha = (sample.gyro - gyro_H_) / dt;
   const Vec3 swing = alpha.cross(config_.p_HI) + omega.cross(omega.cross(config_.p_HI));
-  forces_[taken_++ % kForces] = {
-      .at = at,
-      .dt = std::min(dt, seconds(config_.coast)),
-      .force_M = filter_.q_MH() * (sample.acceleration - swing)};
+  forces_[taken_++ % kForces] = {.at = at,
+                                 .dt = std::min(dt, seconds(config_.coast)),
+                                 .force_M = filter_.q_MH() * (sample.acceleration - swing)};
   if (sample.magnetic)
-    turn_forces(filter_.correct_yaw(filter_.q_MH() * *sample.magnetic, forces_[(taken_ - 1) % kForces].dt));
+    turn_forces(
+        filter_.correct_yaw(filter_.q_MH() * *sample.magnetic, forces_[(taken_ - 1) % kForces].dt));
 }
 
 const GripMotionEstimate& GripMotion::step(TimePoint now, const Vec3* p_MH) noexcept {

@@ -1,11 +1,12 @@
 // Pose, velocity and acceleration of a grip whose place encoders tell at every tick and whose
 // orientation an AHRS on it tells more seldom and late.
 //
-// An AHRS sample is dated by its device's clock and the least delay that this showed lately; without
-// one by counting periods that follow the arrivals. The latency that is known is taken off. Its gyroscope turns the attitude filter; its specific
-// force, in M axes and moved from the sensor to H, less gravity is the acceleration that the
-// observer takes. The same force less the acceleration of the encoders is what the attitude filter
-// takes for up: so a shaken grip stays upright.
+// An AHRS sample is dated by its device's clock and the least delay that this showed lately;
+// without one by counting periods that follow the arrivals. The latency that is known is taken off.
+// Its gyroscope turns the attitude filter; its specific force, in M axes and moved from the sensor
+// to H, less gravity is the acceleration that the observer takes. The same force less the
+// acceleration of the encoders is what the attitude filter takes for up: so a shaken grip stays
+// upright.
 //
 // While no sample comes the orientation goes on turning for coast, slows down until lost and then
 // stays; its uncertainty grows. Position and velocity become those of the encoders alone
@@ -23,9 +24,9 @@ namespace farhand {
 struct GripMotionConfig {
   AttitudeFilterConfig attitude{};
   GripObserverConfig observer{};
-  SensorFit acceleration{}, magnetic{};  // in the sensor's axes, applied first
-  Mat3 R_HI = Mat3::Identity();  // sensor I on the grip
-  Vec3 p_HI = Vec3::Zero();      // [m]
+  SensorFit acceleration{}, magnetic{};            // in the sensor's axes, applied first
+  Mat3 R_HI = Mat3::Identity();                    // sensor I on the grip
+  Vec3 p_HI = Vec3::Zero();                        // [m]
   Duration latency{std::chrono::milliseconds(5)};  // least, from motion to arrival
   Duration period{std::chrono::milliseconds(5)};   // between samples, for those without a clock
   double align_s = 1;                              // [s] of samples averaged at start
@@ -42,10 +43,10 @@ enum class AhrsState : std::uint8_t { absent, aligning, ok, lost };
 struct GripMotionEstimate {
   AhrsState ahrs = AhrsState::absent;
   Pose X_MH;
-  Twist V_MH;                       // at H, axes of M
-  Vec3 a_MH = Vec3::Zero();         // [m/s^2]
-  double tilt_sigma = 0;            // [rad] standard deviations of the orientation
-  double yaw_sigma = 0;             // about up
+  Twist V_MH;                // at H, axes of M
+  Vec3 a_MH = Vec3::Zero();  // [m/s^2]
+  double tilt_sigma = 0;     // [rad] standard deviations of the orientation
+  double yaw_sigma = 0;      // about up
   // The newest instant that AHRS and encoders both know: acceleration by the encoders, and what the
   // AHRS says beyond it and gravity [m/s^2].
   bool compared = false;  // it came in this tick
@@ -96,9 +97,9 @@ class GripMotion {
 
   RecentMinimum delay_;
   Duration first_delay_{}, device_time_{-1};
-  bool started_ = false;    // a sample came
-  bool upright_ = false;    // the filter has its first orientation
-  TimePoint last_{};        // instant of the last sample
+  bool started_ = false;  // a sample came
+  bool upright_ = false;  // the filter has its first orientation
+  TimePoint last_{};      // instant of the last sample
   Vec3 gyro_H_ = Vec3::Zero();
   Alignment alignment_;
   static constexpr std::uint64_t kForces = 32;

@@ -84,7 +84,8 @@ void GripObserver::advance(GripMotionState& s, std::int64_t tick, int age) const
 void GripObserver::acceleration(double ticks_ago, const Vec3& a) noexcept {
   const double at = static_cast<double>(tick_) - ticks_ago;
   if (!(ticks_ago >= 0 && ticks_ago < known_ - 1)) return;
-  const bool follows = aligned_tick_ >= 0 && (at - sample_tick_) * config_.Ts <= config_.longest_gap &&
+  const bool follows = aligned_tick_ >= 0 &&
+                       (at - sample_tick_) * config_.Ts <= config_.longest_gap &&
                        tick_ - aligned_tick_ < known_;
   if (follows && !(at > sample_tick_)) return;
   if (follows) {

@@ -25,7 +25,7 @@ namespace farhand {
 struct GripObserverConfig {
   double Ts = 0.001;                 // [s] of a tick
   double position_noise = 4e-5;      // [m] of one encoder position, its step mostly
-  double acceleration_noise = 0.01;   // [m/s^2/sqrt(Hz)]
+  double acceleration_noise = 0.01;  // [m/s^2/sqrt(Hz)]
   double bias_walk = 0.02;           // [m/s^2/sqrt(s)] its offset, tilt and place included
   double first_acceleration = 0.1;   // [m/s^2] how well a sample tells the acceleration
   double jerk = 6;                   // [m/s^3/sqrt(Hz)] of a hand
@@ -63,7 +63,9 @@ class GripObserver {
     Vec3 encoder = Vec3::Zero();
     GripMotionState state;
   };
-  Moment& moment(std::int64_t tick) noexcept { return memory_[static_cast<std::size_t>(tick % kTicks)]; }
+  Moment& moment(std::int64_t tick) noexcept {
+    return memory_[static_cast<std::size_t>(tick % kTicks)];
+  }
   const Moment& moment(std::int64_t tick) const noexcept {
     return memory_[static_cast<std::size_t>(tick % kTicks)];
   }
@@ -80,9 +82,9 @@ class GripObserver {
   GripMotionState now_;
   int age_ = kTicks - 1;  // ticks from the last sample to now
 
-  GripMotionState aligned_;        // at aligned_tick_
+  GripMotionState aligned_;         // at aligned_tick_
   std::int64_t aligned_tick_ = -1;  // -1: none
-  double sample_tick_ = 0;         // of the last sample
+  double sample_tick_ = 0;          // of the last sample
   Vec3 sample_ = Vec3::Zero();
   Vec3 bias_ = Vec3::Zero();
 };

@@ -23,7 +23,8 @@ AhrsSample read(const std::byte* frame, unsigned fields) noexcept {
   const std::byte* at = frame + kRest;
   if (fields & kMagnetic) s.magnetic = load_vec3(at), at += 12;
   if (fields & kAttitude)
-    s.attitude = unit({load_float(at), load_float(at + 4), load_float(at + 8), load_float(at + 12)});
+    s.attitude =
+        unit({load_float(at), load_float(at + 4), load_float(at + 8), load_float(at + 12)});
   return s;
 }
 
@@ -48,7 +49,8 @@ std::size_t encode_native(const AhrsSample& s, FrameBytes to) noexcept {
   const unsigned fields = (s.magnetic ? kMagnetic : 0u) | (s.attitude ? kAttitude : 0u);
   std::copy(std::begin(kBegin), std::end(kBegin), to.begin());
   to[kFields] = static_cast<std::byte>(fields);
-  const auto time = std::chrono::duration_cast<std::chrono::microseconds>(s.time.value_or(Duration{}));
+  const auto time =
+      std::chrono::duration_cast<std::chrono::microseconds>(s.time.value_or(Duration{}));
   store_little_endian(static_cast<std::uint64_t>(time.count()), to.data() + kTime);
   std::byte* at = store_vec3(s.acceleration, store_vec3(s.gyro, to.data() + kGyro));
   if (s.magnetic) at = store_vec3(*s.magnetic, at);

@@ -52,8 +52,9 @@ bool set_raw(int file, speed_t rate) noexcept {
 SerialPort::SerialPort(const std::string& path, unsigned baud) {
   const speed_t rate = speed(baud);
   if (rate == B0)
-    throw std::runtime_error("serial: no line runs at " + std::to_string(baud) +
-                             " baud; give 9600, 19200, 38400, 57600, 115200, 230400, 460800 or 921600");
+    throw std::runtime_error(
+        "serial: no line runs at " + std::to_string(baud) +
+        " baud; give 9600, 19200, 38400, 57600, 115200, 230400, 460800 or 921600");
   file_ = open(path.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (file_ < 0)
     throw std::runtime_error("serial: cannot open " + path + " (" + std::strerror(errno) +

@@ -67,8 +67,7 @@ void SimAhrs::advance(TimePoint now, const GripTruth& truth) noexcept {
 
 std::span<const std::byte> SimAhrs::read(TimePoint now) noexcept {
   std::size_t size = 0;
-  while (count_ > 0 && line_[first_].due <= now &&
-         size + line_[first_].size <= arrived_.size()) {
+  while (count_ > 0 && line_[first_].due <= now && size + line_[first_].size <= arrived_.size()) {
     const Frame& frame = line_[first_];
     std::copy_n(frame.bytes.begin(), frame.size, arrived_.begin() + size);
     size += frame.size;

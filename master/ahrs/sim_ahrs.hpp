@@ -28,8 +28,10 @@ struct SimAhrsConfig {
   Duration jitter{std::chrono::milliseconds(1)};   // and up to so much more
   bool magnetometer = true;
   bool attitude = false;
-  SensorError gyro{.noise = 1.75e-4, .offset = 0.0175, .walk = 5e-5, .scale = 0.004, .step = 1.07e-3 / 4};
-  SensorError acceleration{.noise = 2.9e-3, .offset = 0.03, .walk = 1e-3, .scale = 0.002, .step = 1.2e-3};
+  SensorError gyro{
+      .noise = 1.75e-4, .offset = 0.0175, .walk = 5e-5, .scale = 0.004, .step = 1.07e-3 / 4};
+  SensorError acceleration{
+      .noise = 2.9e-3, .offset = 0.03, .walk = 1e-3, .scale = 0.002, .step = 1.2e-3};
   SensorError magnetic{.noise = 6e-8, .offset = 5e-7, .walk = 0, .scale = 0.01, .step = 3e-7};
   Vec3 up_M = Vec3::UnitY();
   Vec3 field_M{6e-6, -4.4e-5, -1.9e-5};  // [T], of central Europe

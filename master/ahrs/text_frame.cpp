@@ -51,17 +51,15 @@ Vec3 three(const std::array<double, N>& x, std::size_t at) noexcept {
 std::optional<AhrsSample> read_imu(std::string_view text) noexcept {
   std::array<double, kImuNumbers> x{};
   if (!read_numbers(text, x)) return {};
-  return AhrsSample{.gyro = three(x, 6),
-                    .acceleration = three(x, 3),
-                    .magnetic = kTeslaPerGauss * three(x, 0)};
+  return AhrsSample{
+      .gyro = three(x, 6), .acceleration = three(x, 3), .magnetic = kTeslaPerGauss * three(x, 0)};
 }
 
 std::optional<AhrsSample> read_ymr(std::string_view text) noexcept {
   std::array<double, kYmrNumbers> x{};
   if (!read_numbers(text, x)) return {};
-  AhrsSample s{.gyro = three(x, 9),
-               .acceleration = three(x, 6),
-               .magnetic = kTeslaPerGauss * three(x, 3)};
+  AhrsSample s{
+      .gyro = three(x, 9), .acceleration = three(x, 6), .magnetic = kTeslaPerGauss * three(x, 3)};
   s.attitude = Eigen::AngleAxisd(kDegree * x[0], Vec3::UnitZ()) *
                Eigen::AngleAxisd(kDegree * x[1], Vec3::UnitY()) *
                Eigen::AngleAxisd(kDegree * x[2], Vec3::UnitX());
@@ -80,7 +78,8 @@ std::optional<std::string_view> sentence(std::string_view held) noexcept {
 
 class Writer {
  public:
-  explicit Writer(FrameBytes to) noexcept : begin_(reinterpret_cast<char*>(to.data())), at_(begin_) {}
+  explicit Writer(FrameBytes to) noexcept
+      : begin_(reinterpret_cast<char*>(to.data())), at_(begin_) {}
 
   void text(std::string_view s) noexcept { at_ = std::copy(s.begin(), s.end(), at_); }
   void vector(const Vec3& v, int decimals) noexcept {

@@ -15,10 +15,11 @@ enum Field : unsigned {
   kQuaternion = 4,
   kAngularRate = 5,
   kAcceleration = 8,
-  kImu = 9,     // uncompensated acceleration, then angular rate
+  kImu = 9,      // uncompensated acceleration, then angular rate
   kMagPres = 10  // magnetic field, temperature, pressure
 };
-constexpr std::array<std::uint8_t, 15> kFieldBytes{8, 8, 8, 12, 16, 12, 24, 12, 12, 24, 20, 28, 2, 4, 8};
+constexpr std::array<std::uint8_t, 15> kFieldBytes{8,  8,  8,  12, 16, 12, 24, 12,
+                                                   12, 24, 20, 28, 2,  4,  8};
 constexpr double kTeslaPerGauss = 1e-4;
 
 constexpr bool has(unsigned fields, Field f) noexcept {
@@ -55,7 +56,8 @@ std::optional<AhrsSample> read(const std::byte* payload, unsigned fields) noexce
   } else {
     return {};
   }
-  if (has(fields, kTimeStartup)) s.time = device_time(load_little_endian<std::uint64_t>(at(kTimeStartup)), 1);
+  if (has(fields, kTimeStartup))
+    s.time = device_time(load_little_endian<std::uint64_t>(at(kTimeStartup)), 1);
   if (has(fields, kMagPres)) s.magnetic = kTeslaPerGauss * load_vec3(at(kMagPres));
   if (const std::byte* q = at(kQuaternion); has(fields, kQuaternion))
     s.attitude = unit({load_float(q + 12), load_float(q), load_float(q + 4), load_float(q + 8)});

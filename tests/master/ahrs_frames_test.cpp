@@ -1,10 +1,9 @@
-#include "master/ahrs/frames.hpp"
-
 #include <cstdio>
 #include <string_view>
 #include <vector>
 
 #include "common/random.hpp"
+#include "master/ahrs/frames.hpp"
 
 namespace farhand {
 namespace {
@@ -18,7 +17,8 @@ AhrsSample random_sample(Random& random) {
     const double x = random.normal(), y = random.normal(), z = random.normal();
     return Vec3(size * Vec3(x, y, z));
   };
-  AhrsSample s{.gyro = vector(2), .acceleration = vector(8), .time = Duration(1000 * (random.bits() >> 20))};
+  AhrsSample s{
+      .gyro = vector(2), .acceleration = vector(8), .time = Duration(1000 * (random.bits() >> 20))};
   if (random.bits() % 2) s.magnetic = vector(3e-5);
   if (random.bits() % 2) s.attitude = Quat(rotation(vector(1)));
   return s;
@@ -51,10 +51,12 @@ bool same(const AhrsSample& a, const AhrsSample& b, AhrsFormat format) {
   };
   if (!near(a.gyro, b.gyro, text ? 5.1e-7 : 2e-6)) return false;
   if (!near(a.acceleration, b.acceleration, text ? 5.1e-4 : 5e-6)) return false;
-  if (!near(a.magnetic.value_or(Vec3::Zero()), b.magnetic.value_or(Vec3::Zero()), text ? 5.1e-9 : 1e-11))
+  if (!near(a.magnetic.value_or(Vec3::Zero()), b.magnetic.value_or(Vec3::Zero()),
+            text ? 5.1e-9 : 1e-11))
     return false;
   if (text) return true;
-  if (a.attitude.has_value() != b.attitude.has_value() || a.magnetic.has_value() != b.magnetic.has_value())
+  if (a.attitude.has_value() != b.attitude.has_value() ||
+      a.magnetic.has_value() != b.magnetic.has_value())
     return false;
   return a.time == b.time && (!a.attitude || a.attitude->angularDistance(*b.attitude) < 1e-6);
 }
@@ -73,7 +75,8 @@ TEST(AhrsFrames, WhatIsWrittenIsReadBackHoweverTheBytesAreCut) {
     }
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t size = std::min<std::size_t>(random.bits() % 300, stream.size() - at);
-      for (const AhrsSample& s : parsed(parser, std::span(stream).subspan(at, size))) got.push_back(s);
+      for (const AhrsSample& s : parsed(parser, std::span(stream).subspan(at, size)))
+        got.push_back(s);
       at += size;
     }
     ASSERT_EQ(got.size(), sent.size()) << "seed " << kSeed;
@@ -85,8 +88,9 @@ TEST(AhrsFrames, WhatIsWrittenIsReadBackHoweverTheBytesAreCut) {
 // Two sentences and a packet that others have published.
 TEST(AhrsFrames, PublishedExamplesAreRead) {
   AhrsParser text(AhrsFormat::text);
-  const auto ymr = parsed(text, bytes_of("$VNYMR,+100.949,-007.330,+000.715,-00.0049,-00.2449,+00.5397,"
-                                         "-01.258,-00.100,-09.701,-00.000018,+00.001122,-00.000551*69\r\n"));
+  const auto ymr =
+      parsed(text, bytes_of("$VNYMR,+100.949,-007.330,+000.715,-00.0049,-00.2449,+00.5397,"
+                            "-01.258,-00.100,-09.701,-00.000018,+00.001122,-00.000551*69\r\n"));
   ASSERT_EQ(ymr.size(), 1u);
   EXPECT_EQ(ymr[0].acceleration, Vec3(-1.258, -0.1, -9.701));
   EXPECT_EQ(ymr[0].gyro, Vec3(-0.000018, 0.001122, -0.000551));
@@ -94,8 +98,11 @@ TEST(AhrsFrames, PublishedExamplesAreRead) {
   // At rest the acceleration points up: that of the reported attitude, whose third axis is down.
   const Vec3 up = *ymr[0].attitude * ymr[0].acceleration.normalized();
   EXPECT_NEAR((up - Vec3(0, 0, -1)).norm(), 0, 0.02);
-  EXPECT_EQ(parsed(text, bytes_of("$VNYMR,-078.104,+005.642,+023.096,+00.0125,+00.1252,-00.1042,"
-                                  "+00.878,-03.762,-08.854,-00.010387,-00.028062,-00.061305*68\r\n")).size(), 1u);
+  EXPECT_EQ(
+      parsed(text, bytes_of("$VNYMR,-078.104,+005.642,+023.096,+00.0125,+00.1252,-00.1042,"
+                            "+00.878,-03.762,-08.854,-00.010387,-00.028062,-00.061305*68\r\n"))
+          .size(),
+      1u);
 
   // Yaw, pitch and roll alone: a frame, and no sample.
   const unsigned char ypr[] = {0xfa, 0x01, 0x08, 0x00, 0x93, 0x50, 0x2e, 0x42, 0x83,
@@ -158,10 +165,18 @@ TEST(AhrsFrames, ABadLineCostsSamplesAndInventsNone) {
         hurt = true;
         const std::size_t at = random.bits() % f.size();
         switch (random.bits() % 4) {
-          case 0: f.resize(at); break;
-          case 1: f.insert(f.begin() + at, static_cast<std::byte>(random.bits())); break;
-          case 2: f[at] ^= static_cast<std::byte>(1 + random.bits() % 255); break;
-          default: f.erase(f.begin() + at); break;
+          case 0:
+            f.resize(at);
+            break;
+          case 1:
+            f.insert(f.begin() + at, static_cast<std::byte>(random.bits()));
+            break;
+          case 2:
+            f[at] ^= static_cast<std::byte>(1 + random.bits() % 255);
+            break;
+          default:
+            f.erase(f.begin() + at);
+            break;
         }
       }
       whole += !hurt;

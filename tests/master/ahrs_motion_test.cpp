@@ -78,9 +78,10 @@ TEST(AhrsMotion, OrientationIsWithinADegreeWithAMagnetometer) {
       GripRig rig{.ahrs = {.rate = rate}, .seed = seed};
       rig.motion.period = from_seconds(1 / rate);
       const Measured m = measure(rig, 60);
-      std::printf("ahrs %3.0f Hz, seed %d: orientation %.2f deg rms (tilt %.2f, yaw %.2f), %.2f at most\n",
-                  rate, static_cast<int>(seed), kDegrees * m.whole.value(), kDegrees * m.tilt.value(),
-                  kDegrees * m.yaw.value(), kDegrees * m.whole.most);
+      std::printf(
+          "ahrs %3.0f Hz, seed %d: orientation %.2f deg rms (tilt %.2f, yaw %.2f), %.2f at most\n",
+          rate, static_cast<int>(seed), kDegrees * m.whole.value(), kDegrees * m.tilt.value(),
+          kDegrees * m.yaw.value(), kDegrees * m.whole.most);
       worst = std::max(worst, kDegrees * m.whole.value());
       EXPECT_EQ(m.beyond_three_sigma, 0) << "seed " << seed;
     }
@@ -93,9 +94,11 @@ TEST(AhrsMotion, WithoutAMagnetometerTiltHoldsAndYawDriftsAsSaid) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     GripRig rig{.ahrs = {.magnetometer = false}, .seed = seed};
     const Measured m = measure(rig, 120);
-    std::printf("ahrs without magnetometer, seed %d: tilt %.2f deg rms, yaw off %.2f deg after 2 min, said %.2f\n",
-                static_cast<int>(seed), kDegrees * m.tilt.value(), kDegrees * m.last_yaw,
-                kDegrees * m.last_yaw_sigma);
+    std::printf(
+        "ahrs without magnetometer, seed %d: tilt %.2f deg rms, yaw off %.2f deg after 2 min, said "
+        "%.2f\n",
+        static_cast<int>(seed), kDegrees * m.tilt.value(), kDegrees * m.last_yaw,
+        kDegrees * m.last_yaw_sigma);
     EXPECT_LE(kDegrees * m.tilt.value(), 1.0) << "seed " << seed;
     EXPECT_EQ(m.beyond_three_sigma, 0) << "seed " << seed;
     last = m.last_yaw_sigma;
@@ -114,7 +117,8 @@ TEST(AhrsMotion, VelocityErrorIsHalfOfTheDifferencesAtEqualDelay) {
     const Delayed usual = least_error(differences(m.p, 60), rig.course, kFrom);
     const double usual_now = error_at(differences(m.p, 60), rig.course, kFrom, 0);
     std::printf(
-        "velocity, AHRS at %3.0f Hz: fused %.2f mm/s at %.1f ms (%.2f at 0); difference at equal delay %.2f mm/s "
+        "velocity, AHRS at %3.0f Hz: fused %.2f mm/s at %.1f ms (%.2f at 0); difference at equal "
+        "delay %.2f mm/s "
         "at %.1f ms; through 60 Hz %.2f at %.1f ms (%.2f at 0)\n",
         rate, 1e3 * fused.error, 1e3 * fused.delay, 1e3 * now, 1e3 * equal.error, 1e3 * equal.delay,
         1e3 * usual.error, 1e3 * usual.delay, 1e3 * usual_now);
@@ -123,9 +127,12 @@ TEST(AhrsMotion, VelocityErrorIsHalfOfTheDifferencesAtEqualDelay) {
   }
   GripRig alone;
   std::vector<Vec3> p, v;
-  alone.run(30, [&](const GripRig::Tick& tick) {
-    if (tick.t >= kFrom) v.push_back(tick.estimate->V_MH.linear), p.push_back(tick.p_encoder);
-  }, [](double) { return true; });
+  alone.run(
+      30,
+      [&](const GripRig::Tick& tick) {
+        if (tick.t >= kFrom) v.push_back(tick.estimate->V_MH.linear), p.push_back(tick.p_encoder);
+      },
+      [](double) { return true; });
   const Delayed kalman = least_error(v, alone.course, kFrom);
   std::printf("velocity, encoders alone through the observer: %.2f mm/s at %.1f ms (%.2f at 0)\n",
               1e3 * kalman.error, 1e3 * kalman.delay, 1e3 * error_at(v, alone.course, kFrom, 0));
@@ -137,8 +144,8 @@ TEST(AhrsMotion, ALatencyBelievedWrongCostsLessThanTheAhrsGains) {
     rig.motion.latency = std::chrono::milliseconds(ms);
     const Measured m = measure(rig, 20);
     const double error = error_at(m.v, rig.course, kFrom, 0);
-    std::printf("latency believed %d ms: velocity %.2f mm/s, orientation %.2f deg\n", ms, 1e3 * error,
-                kDegrees * m.whole.value());
+    std::printf("latency believed %d ms: velocity %.2f mm/s, orientation %.2f deg\n", ms,
+                1e3 * error, kDegrees * m.whole.value());
     EXPECT_LE(error, 0.5 * error_at(differences(m.p, 60), rig.course, kFrom, 0)) << ms;
   }
 }
@@ -150,30 +157,36 @@ TEST(AhrsMotion, LossIsNoJumpAndIsSaid) {
   GripMotionEstimate last, at_loss;
   bool lost = false;
   AhrsState before = AhrsState::absent, during = AhrsState::absent, after = AhrsState::absent;
-  rig.run(20, [&](const GripRig::Tick& tick) {
-    const GripMotionEstimate& e = *tick.estimate;
-    if (tick.t > kFrom) {
-      // What a tick changes beyond what the velocities say.
-      const Vec3 turned = rotation_vector(e.X_MH.R * last.X_MH.R.transpose());
-      jump_R = std::max(jump_R, (turned - 0.0005 * (e.V_MH.angular + last.V_MH.angular)).norm());
-      jump_w = std::max(jump_w, (e.V_MH.angular - last.V_MH.angular).norm());
-      const double dv = (e.V_MH.linear - last.V_MH.linear).norm();
-      (tick.t > 10 && tick.t < 12.2 ? jump_v : usual_v) =
-          std::max(tick.t > 10 && tick.t < 12.2 ? jump_v : usual_v, dv);
-    }
-    if (tick.t < 9.9) before = e.ahrs;
-    if (tick.t > 10.2 && tick.t < 11.9) during = e.ahrs, sigma = e.yaw_sigma;
-    if (tick.t > 10.2 && tick.t < 11.9 && !lost) at_loss = e, lost = true;
-    if (lost && tick.t < 11.9)
-      held = std::max(held, rotation_vector(e.X_MH.R * at_loss.X_MH.R.transpose()).norm());
-    if (tick.t > 19) after = e.ahrs;
-    last = e;
-  }, silent);
+  rig.run(
+      20,
+      [&](const GripRig::Tick& tick) {
+        const GripMotionEstimate& e = *tick.estimate;
+        if (tick.t > kFrom) {
+          // What a tick changes beyond what the velocities say.
+          const Vec3 turned = rotation_vector(e.X_MH.R * last.X_MH.R.transpose());
+          jump_R =
+              std::max(jump_R, (turned - 0.0005 * (e.V_MH.angular + last.V_MH.angular)).norm());
+          jump_w = std::max(jump_w, (e.V_MH.angular - last.V_MH.angular).norm());
+          const double dv = (e.V_MH.linear - last.V_MH.linear).norm();
+          (tick.t > 10 && tick.t < 12.2 ? jump_v : usual_v) =
+              std::max(tick.t > 10 && tick.t < 12.2 ? jump_v : usual_v, dv);
+        }
+        if (tick.t < 9.9) before = e.ahrs;
+        if (tick.t > 10.2 && tick.t < 11.9) during = e.ahrs, sigma = e.yaw_sigma;
+        if (tick.t > 10.2 && tick.t < 11.9 && !lost) at_loss = e, lost = true;
+        if (lost && tick.t < 11.9)
+          held = std::max(held, rotation_vector(e.X_MH.R * at_loss.X_MH.R.transpose()).norm());
+        if (tick.t > 19) after = e.ahrs;
+        last = e;
+      },
+      silent);
   const double end = support::orientation_error(last.X_MH.R, rig.course.R(20 - GripRig::kTs)).whole;
   std::printf(
-      "loss: orientation jumps %.3f deg at most, its rate %.1f deg/s, velocity %.2f mm/s a tick (%.2f in between); "
+      "loss: orientation jumps %.3f deg at most, its rate %.1f deg/s, velocity %.2f mm/s a tick "
+      "(%.2f in between); "
       "yaw said %.0f deg, 8 s later off by %.2f deg\n",
-      kDegrees * jump_R, kDegrees * jump_w, 1e3 * jump_v, 1e3 * usual_v, kDegrees * sigma, kDegrees * end);
+      kDegrees * jump_R, kDegrees * jump_w, 1e3 * jump_v, 1e3 * usual_v, kDegrees * sigma,
+      kDegrees * end);
   EXPECT_EQ(before, AhrsState::ok);
   EXPECT_EQ(during, AhrsState::lost);
   EXPECT_EQ(after, AhrsState::ok);
@@ -200,11 +213,13 @@ TEST(AhrsMotion, TheAccelerometerChecksTheKinematics) {
   other.gear_ratio = kFalconLibnifalcon.gear_ratio;
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const KinematicsCheck right = checked(kFalconTable1, seed), wrong = checked(other, seed);
-    std::printf("AHRS over encoders, x y z: %.4f %.4f %.4f, residual %.3f m/s^2; believing a gear %.2f %% off: "
-                "%.4f %.4f %.4f, %.3f\n",
-                right.scale().x(), right.scale().y(), right.scale().z(), right.residual(),
-                100 * (other.gear_ratio / kFalconTable1.gear_ratio - 1), wrong.scale().x(),
-                wrong.scale().y(), wrong.scale().z(), wrong.residual());
+    std::printf(
+        "AHRS over encoders, x y z: %.4f %.4f %.4f, residual %.3f m/s^2; believing a gear %.2f %% "
+        "off: "
+        "%.4f %.4f %.4f, %.3f\n",
+        right.scale().x(), right.scale().y(), right.scale().z(), right.residual(),
+        100 * (other.gear_ratio / kFalconTable1.gear_ratio - 1), wrong.scale().x(),
+        wrong.scale().y(), wrong.scale().z(), wrong.residual());
     EXPECT_LE((right.scale() - Vec3::Ones()).cwiseAbs().maxCoeff(), 0.006) << "seed " << seed;
     EXPECT_GE((wrong.scale() - right.scale()).minCoeff(), 0.006) << "seed " << seed;
   }
@@ -243,7 +258,8 @@ TEST(AhrsMotion, RestsInManyOrientationsFitOffsetAndScale) {
 TEST(AhrsMotion, OrientationsTooMuchAlikeFitNothing) {
   std::vector<Vec3> rests(14, Vec3(0, kGravity, 0));
   EXPECT_FALSE(fit_sensor(rests, kGravity));
-  for (std::size_t i = 0; i < rests.size(); ++i) rests[i] = Mat3(Eigen::AngleAxisd(0.4 * static_cast<double>(i), Vec3::UnitX())) * rests[i];
+  for (std::size_t i = 0; i < rests.size(); ++i)
+    rests[i] = Mat3(Eigen::AngleAxisd(0.4 * static_cast<double>(i), Vec3::UnitX())) * rests[i];
   EXPECT_FALSE(fit_sensor(rests, kGravity));  // never off one plane
   EXPECT_FALSE(fit_sensor(std::span(rests).first(8), kGravity));
 }

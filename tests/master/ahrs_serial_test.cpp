@@ -1,6 +1,4 @@
 // Through a pseudo-terminal, which is as much of a serial line as there is without hardware.
-#include "master/ahrs/serial_port.hpp"
-
 #include <fcntl.h>
 #include <termios.h>
 #include <unistd.h>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "master/ahrs/frames.hpp"
+#include "master/ahrs/serial_port.hpp"
 
 namespace farhand {
 namespace {
@@ -73,7 +72,8 @@ TEST(SerialPort, RefusesInASentence) {
     }
     return "";
   };
-  EXPECT_NE(why("/dev/no_such_line", 115200).find("cannot open /dev/no_such_line"), std::string::npos);
+  EXPECT_NE(why("/dev/no_such_line", 115200).find("cannot open /dev/no_such_line"),
+            std::string::npos);
   EXPECT_NE(why("/dev/null", 115200).find("is no serial line"), std::string::npos);
   EXPECT_NE(why("/dev/null", 12345).find("12345 baud"), std::string::npos);
 }

@@ -51,8 +51,8 @@ struct GripCourse {
  private:
   static constexpr double kStep = 1e-4;
   Vec3 omega_H(double t) const {
-    return R(t).transpose() *
-           rotation_vector(R(t + kStep) * R(t - kStep).transpose()) / (2 * kStep);
+    return R(t).transpose() * rotation_vector(R(t + kStep) * R(t - kStep).transpose()) /
+           (2 * kStep);
   }
 };
 
@@ -60,8 +60,11 @@ struct GripCourse {
 inline Vec3 encoded(const FalconGeometry& made, const FalconGeometry& believed, const Vec3& p_MH) {
   const double made_step = theta1_quantum(made), believed_step = theta1_quantum(believed);
   Vec3 theta = motor_angles(made, p_MH).theta1;
-  for (double& x : theta) x = made.angle_offset + made_step * std::round((x - made.angle_offset) / made_step);
-  theta = ((theta.array() - made.angle_offset) * (believed_step / made_step) + believed.angle_offset).matrix();
+  for (double& x : theta)
+    x = made.angle_offset + made_step * std::round((x - made.angle_offset) / made_step);
+  theta =
+      ((theta.array() - made.angle_offset) * (believed_step / made_step) + believed.angle_offset)
+          .matrix();
   return forward(believed, theta, p_MH).p_MH;
 }
 
@@ -81,8 +84,9 @@ struct GripRig {
     const AhrsParser* parser = nullptr;
   };
   // Calls see() after every tick; silent(t): nothing of what the AHRS sends arrives.
-  void run(double duration, const std::function<void(const Tick&)>& see,
-           const std::function<bool(double)>& silent = [](double) { return false; }) const {
+  void run(
+      double duration, const std::function<void(const Tick&)>& see,
+      const std::function<bool(double)>& silent = [](double) { return false; }) const {
     SimAhrs source(ahrs, seed);
     AhrsParser parser(ahrs.format);
     GripMotion fusion(motion);
