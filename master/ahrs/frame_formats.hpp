@@ -11,8 +11,12 @@ struct FrameScan {
   std::size_t size = 0;    // of the frame, its checksum right
   std::optional<AhrsSample> sample{};  // nothing: a frame of something else
 };
-inline constexpr FrameScan kMoreBytes{.kind = FrameScan::Kind::more};
-inline constexpr FrameScan kNoFrame{.kind = FrameScan::Kind::none};
+inline FrameScan more_bytes() noexcept {
+  return {.kind = FrameScan::Kind::more};
+}
+inline FrameScan no_frame() noexcept {
+  return {.kind = FrameScan::Kind::none};
+}
 
 using Bytes = std::span<const std::byte>;
 using FrameBytes = std::span<std::byte, kMaxFrameBytes>;

@@ -16,7 +16,7 @@ FrameScan scan(AhrsFormat format, Bytes held) noexcept {
     case AhrsFormat::text:
       return scan_text(held);
   }
-  return kNoFrame;
+  return no_frame();
 }
 
 }  // namespace

@@ -32,16 +32,16 @@ AhrsSample read(const std::byte* frame, unsigned fields) noexcept {
 
 FrameScan scan_native(Bytes held) noexcept {
   for (std::size_t i = 0; i < std::size(kBegin); ++i) {
-    if (i == held.size()) return kMoreBytes;
-    if (held[i] != kBegin[i]) return kNoFrame;
+    if (i == held.size()) return more_bytes();
+    if (held[i] != kBegin[i]) return no_frame();
   }
-  if (held.size() <= kFields) return kMoreBytes;
+  if (held.size() <= kFields) return more_bytes();
   const auto fields = std::to_integer<unsigned>(held[kFields]);
-  if (fields > kAllFields) return kNoFrame;
+  if (fields > kAllFields) return no_frame();
   const std::size_t content = content_bytes(fields);
-  if (held.size() < content + kCrcBytes) return kMoreBytes;
+  if (held.size() < content + kCrcBytes) return more_bytes();
   if (crc32c(held.first(content)) != load_little_endian<std::uint32_t>(held.data() + content))
-    return kNoFrame;
+    return no_frame();
   return framed(content + kCrcBytes, read(held.data(), fields));
 }
 

@@ -110,17 +110,17 @@ class Writer {
 
 FrameScan scan_text(Bytes bytes) noexcept {
   const std::string_view held = characters(bytes);
-  if (held[0] != '$') return kNoFrame;
+  if (held[0] != '$') return no_frame();
   const auto body = sentence(held);
-  if (!body) return kMoreBytes;
-  if (body->empty()) return kNoFrame;
+  if (!body) return more_bytes();
+  if (body->empty()) return no_frame();
   const std::size_t size = body->size() + 1 + kHexDigits;
-  if (held.size() < size) return kMoreBytes;
+  if (held.size() < size) return more_bytes();
   unsigned sum = 0;
   const char* digits = held.data() + body->size() + 1;
   const auto [end, error] = std::from_chars(digits, digits + kHexDigits, sum, 16);
   if (error != std::errc{} || end != digits + kHexDigits || sum != checksum(body->substr(1)))
-    return kNoFrame;
+    return no_frame();
   std::optional<AhrsSample> sample;
   if (body->starts_with(kImuHead)) sample = read_imu(body->substr(kImuHead.size()));
   if (body->starts_with(kYmrHead)) sample = read_ymr(body->substr(kYmrHead.size()));

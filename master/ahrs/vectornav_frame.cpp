@@ -67,14 +67,14 @@ std::optional<AhrsSample> read(const std::byte* payload, unsigned fields) noexce
 }  // namespace
 
 FrameScan scan_vectornav(Bytes held) noexcept {
-  if (held[0] != kSync) return kNoFrame;
-  if (held.size() > 1 && held[1] != kCommonGroup) return kNoFrame;
-  if (held.size() < kHeaderBytes) return kMoreBytes;
+  if (held[0] != kSync) return no_frame();
+  if (held.size() > 1 && held[1] != kCommonGroup) return no_frame();
+  if (held.size() < kHeaderBytes) return more_bytes();
   const unsigned fields = load_little_endian<std::uint16_t>(held.data() + 2);
-  if (fields == 0 || fields >> kFieldBytes.size()) return kNoFrame;
+  if (fields == 0 || fields >> kFieldBytes.size()) return no_frame();
   const std::size_t size = kHeaderBytes + bytes_below(fields, kFieldBytes.size()) + kCrcBytes;
-  if (held.size() < size) return kMoreBytes;
-  if (crc16(held.subspan(1, size - 1)) != 0) return kNoFrame;
+  if (held.size() < size) return more_bytes();
+  if (crc16(held.subspan(1, size - 1)) != 0) return no_frame();
   const auto sample = read(held.data() + kHeaderBytes, fields);
   return sample ? framed(size, *sample) : FrameScan{.kind = FrameScan::Kind::frame, .size = size};
 }
