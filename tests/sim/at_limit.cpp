@@ -1,5 +1,9 @@
 #include "tests/sim/at_limit.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "common/pid.hpp"
 
 namespace farhand {
@@ -17,6 +21,19 @@ bool at_speed(const WorkspaceConfig& c, const Pose& from, const Pose& to) noexce
          rotation_vector(to.R * from.R.transpose()).norm() >= kNearly * c.rotation_step;
 }
 
+// The command of a joint moves as fast as it may: at its speed, or braking for a joint limit that
+// it comes to rest at (slave/slave.cpp).
+bool moves_at_limit(const SlaveConfig& c, const Vec6& from, const Vec6& to) noexcept {
+  constexpr double kNearly = 0.999;
+  const double rate = 2 * std::numbers::pi * c.servo.bandwidth_hz / 3;
+  for (int i = 0; i < 6; ++i) {
+    const double left = to[i] > from[i] ? c.joints.upper[i] - from[i] : from[i] - c.joints.lower[i];
+    const double most = c.Ts * std::min(c.joints.speed[i], rate * left);
+    if (std::abs(to[i] - from[i]) >= kNearly * most) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool AtLimit::step(const SlaveTick& t, const Vec6& q) noexcept {
@@ -27,6 +44,7 @@ bool AtLimit::step(const SlaveTick& t, const Vec6& q) noexcept {
                ((t.q_cmd - last_->q_cmd) / c.Ts - dq_cmd_);
     // A compensation's wish that cannot be reached leaves the target where it was.
     held = held || at_speed(c.workspace, last_->X_SE_target, t.X_SE_target) ||
+           moves_at_limit(c, last_->q_cmd, t.q_cmd) ||
            (c.compensated && !apart(last_->X_SE_target, t.X_SE_target));
   } else {
     dq_cmd_.setZero();

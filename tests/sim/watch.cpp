@@ -1,5 +1,6 @@
 #include "tests/sim/watch.hpp"
 
+#include "common/alignment.hpp"
 #include "common/codec.hpp"
 #include "common/energy_budget.hpp"
 #include "tests/loop/truth.hpp"
@@ -42,6 +43,8 @@ void Watch::restarted(Side side, std::uint64_t session) {
   masters_session_ = 0;
   slave_began_ = loop_.now();
   q_cmd_.reset();
+  q_MR_.reset();
+  coupled_ = false;
   rested_ = kRested;
   told_before_ += told_;
   told_ = 0;
@@ -135,6 +138,7 @@ void Watch::check(const SlaveTick& t) {
   checkers_.expect(!moved || (t.coupled && fresh), "the command moved without a fresh order", 0, 0);
   if (moved) check_age();
   check_place(t);
+  check_turn(t);
   q_cmd_ = t.q_cmd;
   robot_read_ = t.robot.ok;
   if (t.mode == Mode::engaged && slave_mode_ != Mode::engaged) check_press(t);
@@ -152,6 +156,19 @@ void Watch::check_place(const SlaveTick& t) {
   const double off = (t.q_cmd - truth.q).cwiseAbs().maxCoeff();
   checkers_.expect(read_well_ < kWell || rested_ < kRested || off <= kAbout,
                    "the command is far from where the robot is [rad]", off, kAbout);
+}
+
+// With alignment the robot follows no handle that is turned otherwise than it was told to be.
+void Watch::check_turn(const SlaveTick& t) {
+  const auto& alignment = loop_.slave()->config().workspace.alignment;
+  if (alignment && t.coupled && !coupled_ && q_MR_) {
+    const Quat& q_MH = loop_.slave_end()->newest()->message.q_MH;
+    const double off = q_MR_->angularDistance(q_MH), most = Alignment::kRoom * *alignment;
+    checkers_.expect(off <= most, "coupled with the handle turned away by [rad]", off, most);
+  }
+  coupled_ = t.coupled;
+  q_MR_.reset();
+  if (!t.coupled && t.out.has_robot) q_MR_ = t.out.q_MR;
 }
 
 void Watch::received(bool forged, bool accepted) {

@@ -33,6 +33,7 @@ class Watch {
   void check_press(const SlaveTick& tick);
   void check_age();
   void check_place(const SlaveTick& tick);
+  void check_turn(const SlaveTick& tick);
   void check_energy(const MasterTick& tick);
 
   const Loopback& loop_;
@@ -66,6 +67,8 @@ class Watch {
   Duration oldest_command_{};
   std::optional<Vec6> q_cmd_;
   bool robot_read_ = true;
+  bool coupled_ = false;
+  std::optional<Quat> q_MR_;  // of the last tick: how the handle must be turned
   static constexpr int kRested = 500;
   int read_well_ = 0, rested_ = kRested;  // ticks on end
 

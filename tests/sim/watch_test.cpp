@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/support/scene_edits.hpp"
 
 namespace farhand {
@@ -10,7 +12,12 @@ namespace {
 
 class WatchTest : public ::testing::Test {
  protected:
-  WatchTest() : loop_(shipped("twin_delta_free"), {.duration_s = 2}) {
+  static Scene scene() {
+    Scene scene = shipped("twin_delta_free");
+    scene.proto.mutable_slave()->mutable_workspace()->set_alignment_deg(10);
+    return scene;
+  }
+  WatchTest() : loop_(scene(), {.duration_s = 2}) {
     loop_.on_master = [this](const MasterTick& t) { master_ = t; };
     loop_.on_slave = [this](const SlaveTick& t) { slave_ = t; };
     loop_.run();
@@ -96,6 +103,19 @@ TEST_F(WatchTest, RefusesACommandFarFromTheRobot) {
   SlaveTick far = idle();
   far.q_cmd[2] += 0.6;
   EXPECT_EQ(verdict<SlaveTick>({far, far, far, far, far}).substr(0, 22), "the command is far fro");
+}
+
+// By more than alignment_deg and what it may be off at the edge.
+TEST_F(WatchTest, RefusesAHandleThatIsTurnedAway) {
+  const Quat q_MH = loop_.slave_end()->newest()->message.q_MH;
+  SlaveTick told = idle();
+  told.out.has_robot = true;
+  for (const double degrees : {11.9, 12.1}) {
+    const Vec3 turn(0, degrees * std::numbers::pi / 180, 0);
+    told.out.q_MR = to_quat(rotation(turn) * q_MH.toRotationMatrix());
+    EXPECT_EQ(verdict<SlaveTick>({told, slave_}).substr(0, 16),
+              degrees < 12 ? "" : "coupled with the");
+  }
 }
 
 }  // namespace
