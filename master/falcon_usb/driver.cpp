@@ -75,7 +75,7 @@ void Driver::hear(const Event& event, TimePoint now) noexcept {
       return enter(Phase::absent, now);
     case EventKind::received:
       if (phase_ == Phase::uploading) return upload_.hear(payload(event.packet), now);
-      if (phase_ != Phase::probing && !talking()) return;
+      if (phase_ != Phase::probing && !talking() && !knocks()) return;
       if (const Sample* sample = exchange_.hear(payload(event.packet), now)) take(*sample, now);
       return;
   }
@@ -96,7 +96,7 @@ void Driver::take(const Sample& sample, TimePoint now) noexcept {
   failed_requests_ = 0;
   const bool to_zero = sample.at - sample.age >= zero_from_;
   if (to_zero && ++last_answers_ >= kLastAnswers) return enter(Phase::closed, now);
-  if (phase_ == Phase::probing) {
+  if (phase_ == Phase::probing || knocks()) {
     trouble_ = Trouble::none;
     enter(Phase::homing, now);
   }
@@ -155,7 +155,7 @@ std::optional<Request> Driver::wish(TimePoint now) noexcept {
   }
   if (phase_ == Phase::probing) return probe(now);
   if (phase_ == Phase::uploading) return upload(now);
-  return talking() && now >= ask_at() ? std::optional(ask(now)) : std::nullopt;
+  return (talking() || knocks()) && now >= ask_at() ? std::optional(ask(now)) : std::nullopt;
 }
 
 std::optional<Request> Driver::probe(TimePoint now) noexcept {
@@ -183,7 +183,14 @@ std::optional<Request> Driver::upload(TimePoint now) noexcept {
   return take_first(set_up_);
 }
 
+// One that was silent for a while, for want of power or of a machine with time for it, is taken up
+// again when it answers.
+bool Driver::knocks() const noexcept {
+  return phase_ == Phase::failed && trouble_ == Trouble::no_firmware && !closing_;
+}
+
 TimePoint Driver::ask_at() const noexcept {
+  if (knocks()) return asked_ + config_.probe_time;
   const TimePoint free = exchange_.free_at();
   const bool waits = config_.pacing == Pacing::loop && !fresh_;
   return waits ? std::max(free, asked_ + config_.keep_alive) : free;
@@ -228,7 +235,7 @@ TimePoint Driver::wish_at() const noexcept {
     case Phase::armed:
       return ask_at();
     default:
-      return TimePoint::max();
+      return knocks() ? ask_at() : TimePoint::max();
   }
 }
 

@@ -2,7 +2,8 @@
 //
 //   absent -> setting_up -> probing -> homing -> homed -> armed        closed
 //                 ^            | no answer                 (by close(), from anywhere)
-//                 +-uploading<-+            failed: until it is plugged in again
+//                 +-uploading<-+            failed: until it is plugged in again, or, for want of
+//                                           firmware, until it answers after all
 //
 // Torque leaves in `armed` alone. There it is zero when no answer was taken for `unanswered`, or no
 // write came for `unwritten`. An axis that is not homed any more, or counts that jump, lead back to
@@ -76,6 +77,7 @@ class Driver {
 
  private:
   bool talking() const noexcept;
+  bool knocks() const noexcept;
   void enter(Phase phase, TimePoint now) noexcept;
   void fail(Trouble trouble, TimePoint now) noexcept;
   void start(TimePoint now) noexcept;

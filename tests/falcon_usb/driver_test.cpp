@@ -36,6 +36,10 @@ TEST(FalconDriver, SaysWhenThereIsNoFirmware) {
   Rig rig(kNoFirmware);
   EXPECT_TRUE(rig.live_until(Phase::failed));
   EXPECT_EQ(rig.trouble(), Trouble::no_firmware);
+  EXPECT_FALSE(rig.drives());
+  rig.emulator.load_firmware();  // or its power is back, and it had some
+  EXPECT_TRUE(rig.live_until(Phase::homed));
+  EXPECT_EQ(rig.trouble(), Trouble::none);
 }
 
 TEST(FalconDriver, SaysWhenTheFirmwareCannotBeUploadedOrDoesNotRun) {
