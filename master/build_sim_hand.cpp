@@ -1,6 +1,5 @@
 #include "master/build_sim_hand.hpp"
 
-
 #include "common/scene_values.hpp"
 #include "master/build_values.hpp"
 

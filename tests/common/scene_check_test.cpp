@@ -335,22 +335,14 @@ TEST(SceneHash, ChangesWithEverySharedFieldAndWithNoLocalOne) {
 }
 
 TEST(SceneHash, IsSharedWhereBothSidesDependOnIt) {
-  const std::set<std::string> kLocal = {"description",
-                                        "seed",
-                                        "duration_s",
-                                        "master.sim_hand",
-                                        "master.falcon_usb",
-                                        "slave.sim_arm",
-                                        "link.slave_address",
-                                        "link.master_address",
-                                        "link.insecure",
-                                        "link.key_file",
-                                        "link.certificates",
-                                        "link.to_slave",
-                                        "link.to_master",
-                                        "link.observer_address",
-                                        "master.falcon_usb",
-                                        "master.realtime",
+  const std::set<std::string> kLocal = {"description",        "seed",
+                                        "duration_s",         "master.sim_hand",
+                                        "master.falcon_usb",  "slave.sim_arm",
+                                        "link.slave_address", "link.master_address",
+                                        "link.insecure",      "link.key_file",
+                                        "link.certificates",  "link.to_slave",
+                                        "link.to_master",     "link.observer_address",
+                                        "master.falcon_usb",  "master.realtime",
                                         "slave.realtime"};
   std::set<std::string> found;
   for (const Chain& chain : all_chains())
