@@ -24,15 +24,18 @@ constexpr Duration kTick = std::chrono::milliseconds(1);
 constexpr Duration kMostToReady = std::chrono::seconds(5);
 constexpr Duration kSettling = std::chrono::seconds(1);  // after engaging, until the lag counts
 
-// The most of 602 episodes (--seeds 1:600), and a half on top.
+// The most of some hundred episodes, and a half on top; 1500 stay within.
 Tracking::Limits limits_of(const Plan& plan) {
   constexpr double kRoom = 1.5;
   Tracking::Limits out{.tool = 1.0e-3 * kRoom};
   if (plan.scene == "minimal") out.tool = 1.7e-3 * kRoom;  // the weight is not compensated
-  if (!plan.method.empty()) out.command = 5.9e-3 * kRoom;  // on a spring, or played out later
+  const std::string& m = plan.method;
+  if (m == "damped" || m == "auto") out.command = 5.7e-3 * kRoom;  // on a spring
+  if (m == "mmt") out.command = 1.2e-3 * kRoom;
+  if (m == "direct" || m == "wave") out.command = 1.0e-3 * kRoom;
   // The longest playout, and what the reconstruction takes.
-  if (plan.method == "wave" || plan.method == "smith") out.played_out = 280;
-  out.keeps_offset = plan.method == "wave";
+  if (m == "wave" || m == "smith") out.played_out = 280;
+  out.keeps_offset = m == "wave";
   return out;
 }
 

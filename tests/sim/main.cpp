@@ -54,7 +54,7 @@ std::vector<Run> runs_of(const Options& o) {
 
 // What all episodes together came to.
 struct Totals {
-  std::uint64_t episodes = 0, failed = 0, engagements = 0, engaged = 0, tracked = 0;
+  std::uint64_t episodes = 0, failed = 0, engagements = 0, engaged = 0, tracked = 0, limited = 0;
   Duration latest_ready{}, oldest_command{};
   struct Peaks {
     double lag = 0, command = 0, tool = 0;  // [m]
@@ -66,6 +66,7 @@ struct Totals {
     failed += !r.good();
     engagements += r.engagements, engaged += r.engaged;
     tracked += r.lag.count > 0;
+    limited += r.lag.count == 0 && r.limited > 0;
     latest_ready = std::max(latest_ready, r.ready_after);
     oldest_command = std::max(oldest_command, r.oldest_command);
     Peaks& p = peaks[plan.method.empty() ? plan.scene : plan.scene + " " + plan.method];
@@ -77,10 +78,10 @@ struct Totals {
     std::string out = fmt::format(
         "{} episodes, {} failed; engaged {} times for {:.0f} s among faults; READY at most {:.2f} "
         "s "
-        "after them; in {} the tool was seen to follow freely again; oldest command acted upon "
-        "{:.0f} ms\n",
+        "after them; in {} the tool was seen to follow freely again, in {} a limit kept it from "
+        "that; oldest command acted upon {:.0f} ms\n",
         episodes, failed, engagements, 1e-3 * static_cast<double>(engaged), seconds(latest_ready),
-        tracked, 1e3 * seconds(oldest_command));
+        tracked, limited, 1e3 * seconds(oldest_command));
     for (const auto& [scene, p] : peaks)
       out += fmt::format(
           "  {:<26} tool at most {:6.3f} mm behind the handle, {:.3f} mm off where its servo "
