@@ -1,17 +1,26 @@
 #include "common/arguments.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
 namespace farhand {
 namespace {
 
 constexpr int kUsageError = 2;
 
+std::string in_words(double number) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%g", number);
+  return out;
+}
+
 // Empty if good, as the parser wants it.
-std::string check_duration(const std::string& text) {
-  double seconds = 0;
-  if (CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 1e7) return "";
-  return "'" + text + "' is not a number of seconds from 0.001 to 1e7";
+std::string check_number(const std::string& text, const NumberRange& range) {
+  double number = 0;
+  if (CLI::detail::lexical_cast(text, number) && number >= range.least && number <= range.most)
+    return "";
+  return "'" + text + "' is not a number " + (range.of.empty() ? "" : "of " + range.of + " ") +
+         "from " + in_words(range.least) + " to " + in_words(range.most);
 }
 
 }  // namespace
@@ -38,8 +47,14 @@ void Arguments::option(const std::string& name, std::vector<std::string>& to,
                        const std::string& help) {
   app_->add_option(name, to, help);
 }
+void Arguments::number(const std::string& name, double& to, const NumberRange& range,
+                       const std::string& help) {
+  app_->add_option(name, to, help)
+      ->type_name(range.of.empty() ? "number" : range.of)
+      ->check([range](const std::string& text) { return check_number(text, range); });
+}
 void Arguments::duration(double& seconds, const std::string& help) {
-  app_->add_option("--duration", seconds, help)->type_name("SECONDS")->check(check_duration);
+  number("--duration", seconds, {.least = 0.001, .most = 1e7, .of = "seconds"}, help);
 }
 
 std::optional<int> Arguments::parse(int argc, char** argv,

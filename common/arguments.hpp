@@ -15,6 +15,12 @@ class App;
 
 namespace farhand {
 
+struct NumberRange {
+  double least = 0;
+  double most = 0;
+  std::string of = "";  // its unit, in words
+};
+
 class Arguments {
  public:
   Arguments(const std::string& description, const std::string& program);
@@ -27,6 +33,9 @@ class Arguments {
   void option(const std::string& name, std::optional<std::string>& to, const std::string& help);
   void option(const std::string& name, std::optional<std::uint64_t>& to, const std::string& help);
   void option(const std::string& name, std::vector<std::string>& to, const std::string& help);
+  // Refuses what is not in the range.
+  void number(const std::string& name, double& to, const NumberRange& range,
+              const std::string& help);
   // --duration; refuses what is no number of seconds from a millisecond to a few months.
   void duration(double& seconds, const std::string& help);
 

@@ -1,8 +1,7 @@
 // The simulated hand and handle behind the emulated USB.
-#include "master/falcon_usb/emulator/emulated_hand.hpp"
-
 #include <gtest/gtest.h>
 
+#include "master/falcon_usb/emulator/scripted_hand.hpp"
 #include "master/position_control.hpp"
 #include "tests/falcon_usb/rig.hpp"
 
@@ -44,17 +43,8 @@ Vec6 torque_for(const HandleReading& reading, const Vec3& f_H_M) {
   return tau;
 }
 
-// Pulls the grip out, pushes it in, and brings it back.
-SimHandConfig homing_hand() {
-  SimHandConfig sim{.user = OperatorConfig{}, .presses = gesture(3.5), .encoder_step = 0};
-  sim.device.weight = 0;
-  sim.user->motion.reaches = {
-      {0.5, 0.8, {0, 0, 0.03}}, {1.5, 0.8, {0, 0, -0.06}}, {2.5, 0.8, {0, 0, 0.03}}};
-  return sim;
-}
-
 TEST(EmulatedHand, HomesByMovingTheGripAndIsArmedByTheButtons) {
-  HandRig rig({.processor = {.firmware_loaded = true}}, homing_hand());
+  HandRig rig({.processor = {.firmware_loaded = true}}, hand_script(HandMotion::still));
   rig.wait(0.4);
   EXPECT_EQ(rig.phase(), Phase::homing);
   rig.wait(3);
@@ -70,7 +60,7 @@ TEST(EmulatedHand, HomesByMovingTheGripAndIsArmedByTheButtons) {
 // Against the hand's spring of 500 N/m, in the direction and size asked for.
 TEST(EmulatedHand, AForceCommandedIsTheForceThatPushesTheHand) {
   for (const Vec3& f_H_M : {Vec3(4, 0, 0), Vec3(0, 4, 0), Vec3(0, 0, -4), Vec3(2, -3, 3)}) {
-    HandRig rig({.processor = {.firmware_loaded = true}}, homing_hand());
+    HandRig rig({.processor = {.firmware_loaded = true}}, hand_script(HandMotion::still));
     rig.wait(4.4);
     rig.live(4, 1ms, [&](const HandleReading& r) { return torque_for(r, f_H_M); });
     ASSERT_EQ(rig.phase(), Phase::armed);

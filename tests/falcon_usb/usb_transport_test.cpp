@@ -39,8 +39,10 @@ struct Usb {
   explicit Usb(const EmulatorConfig& config = {.processor = {.firmware_loaded = true}},
                const DriverConfig& driver_config = {.pacing = Pacing::device},
                const std::string& serial = {})
-      : bus(
-            config, grip.mechanism(), [this] { return now.load(); }, kSerial),
+      : bus({.emulator = config,
+             .mechanism = grip.mechanism(),
+             .clock = [this] { return now.load(); },
+             .serial = kSerial}),
         transport(std::in_place, serial),
         driver(driver_config) {}
 

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -30,10 +31,9 @@ std::string sysfs_of(unsigned number) {
 
 }  // namespace
 
-MockBus::MockBus(const EmulatorConfig& config, Mechanism mechanism, Clock clock, std::string serial)
-    : clock_(std::move(clock)),
-      serial_(std::move(serial)),
-      emulator_(config, std::move(mechanism)),
+MockBus::MockBus(MockBusConfig config)
+    : config_(std::move(config)),
+      emulator_(config_.emulator, config_.mechanism),
       testbed_(umockdev_testbed_new()),
       handler_(umockdev_ioctl_base_new()) {
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(handle), this);
@@ -45,19 +45,12 @@ MockBus::~MockBus() {
   g_object_unref(testbed_);
 }
 
-std::string MockBus::root_dir() const {
-  gchar* root = umockdev_testbed_get_root_dir(testbed_);
-  std::string out = root;
-  g_free(root);
-  return out;
-}
-
 // ---- the user's doings
 
 void MockBus::plug() {
   {
     const std::lock_guard lock(mutex_);
-    const TimePoint now = clock_();
+    const TimePoint now = config_.clock();
     emulator_.plug(now);
     emulator_.next_event(now + std::chrono::seconds(1));  // the kernel says itself that it is there
     there_ = true;
@@ -68,7 +61,7 @@ void MockBus::plug() {
 void MockBus::unplug() {
   {
     const std::lock_guard lock(mutex_);
-    const TimePoint now = clock_();
+    const TimePoint now = config_.clock();
     emulator_.unplug(now);
     emulator_.next_event(now);
     there_ = false;
@@ -103,12 +96,19 @@ void MockBus::occupy(bool busy) {
 }
 
 void MockBus::forbid() {
-  chmod((root_dir() + node_of(kNumber)).c_str(), 0);
+  gchar* root = umockdev_testbed_get_root_dir(testbed_);
+  chmod((root + node_of(kNumber)).c_str(), 0);
+  g_free(root);
 }
 
 void MockBus::set_faults(const SerialFaults& serial, const BusFaults& bus) {
   const std::lock_guard lock(mutex_);
   emulator_.set_faults(serial, bus);
+}
+
+void MockBus::cut_power() {
+  const std::lock_guard lock(mutex_);
+  emulator_.cut_power();
 }
 
 void MockBus::fail_reads(int count, int error) {
@@ -140,8 +140,17 @@ void MockBus::Urb::finish(int with, int length) {
 }
 
 gboolean MockBus::handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self) {
-  const std::lock_guard lock(self->mutex_);
-  const int error = self->answer(client);
+  constexpr auto kNap = std::chrono::microseconds(20);
+  std::unique_lock lock(self->mutex_);
+  const auto& clock = self->config_.clock;
+  const TimePoint until = clock() + self->config_.patience;
+  int error = self->answer(client);
+  while (error == EAGAIN && clock() < until) {
+    lock.unlock();
+    std::this_thread::sleep_for(kNap);
+    lock.lock();
+    error = self->answer(client);
+  }
   umockdev_ioctl_client_complete(client, error == 0 ? 0 : -1, error);
   return TRUE;
 }
@@ -186,11 +195,11 @@ int MockBus::submit(UMockdevIoctlData* argument) {
   const unsigned char* bytes = urb.bytes();
   const auto length = static_cast<std::size_t>(urb.urb().buffer_length);
   if (urb.urb().type == USBDEVFS_URB_TYPE_BULK && !urb.reads())
-    emulator_.submit(request_of(std::as_bytes(std::span(bytes, length))), clock_());
+    emulator_.submit(request_of(std::as_bytes(std::span(bytes, length))), config_.clock());
   else if (urb.urb().type == USBDEVFS_URB_TYPE_CONTROL && bytes[0] == kVendorRequest)
     emulator_.submit(
         request_of(Control{bytes[1], static_cast<std::uint16_t>(bytes[2] | bytes[3] << 8)}),
-        clock_());
+        config_.clock());
   else if (!urb.reads())
     describe(urb);
   flying_.push_back(urb);
@@ -203,7 +212,7 @@ void MockBus::describe(Urb& urb) const {
   if (urb.bytes()[2] == 0)
     text.insert(text.end(), {0x09, 0x04});
   else
-    for (const char c : serial_) text.insert(text.end(), {static_cast<unsigned char>(c), 0});
+    for (const char c : config_.serial) text.insert(text.end(), {static_cast<unsigned char>(c), 0});
   text[0] = static_cast<unsigned char>(text.size());
   std::memcpy(urb.bytes() + kSetupBytes, text.data(), text.size());
   urb.finish(0, static_cast<int>(text.size()));
@@ -237,7 +246,7 @@ int MockBus::discard(gulong address) {
 // ---- the emulator's side
 
 void MockBus::let_time_pass() {
-  const TimePoint now = clock_();
+  const TimePoint now = config_.clock();
   while (const Event* event = emulator_.next_event(now)) hear(*event);
   fill_reads();
 }

@@ -1,7 +1,6 @@
 // The emulated Falcon as a device file of a mocked machine: what libusb asks of the kernel goes to
-// the emulator, for every process that has umockdev's preload library before all others and this
-// bus' root_dir() in its environment as UMOCKDEV_DIR. In this process the latter is so from the
-// start.
+// the emulator. This process needs umockdev's preload library before all others; those it starts
+// see the same machine.
 //
 // The device is plugged and unplugged here, not at the emulator. Requests are answered on a thread
 // of the mock's own, which is also where the clock and the mechanism are asked.
@@ -21,16 +20,22 @@
 
 namespace farhand::falcon_usb {
 
+struct MockBusConfig {
+  EmulatorConfig emulator;
+  Mechanism mechanism;
+  std::function<TimePoint()> clock;
+  std::string serial;
+  // Under real time, how long who asks for what is finished is kept waiting if nothing is: the file
+  // always looks as if there were something, so that libusb would ask without end.
+  Duration patience{};
+};
+
 class MockBus {
  public:
-  using Clock = std::function<TimePoint()>;
-
-  MockBus(const EmulatorConfig& config, Mechanism mechanism, Clock clock, std::string serial);
+  explicit MockBus(MockBusConfig config);
   ~MockBus();
   MockBus(const MockBus&) = delete;
   MockBus& operator=(const MockBus&) = delete;
-
-  std::string root_dir() const;
 
   void plug();
   void unplug();
@@ -41,6 +46,7 @@ class MockBus {
   // To all but root.
   void forbid();
   void set_faults(const SerialFaults& serial, const BusFaults& bus);
+  void cut_power();
   // So many reads from now on end with a negative error number.
   void fail_reads(int count, int error);
   // Transfers that are cancelled do not end any more.
@@ -71,8 +77,7 @@ class MockBus {
   void add_device(unsigned number);
 
   mutable std::mutex mutex_;
-  Clock clock_;
-  std::string serial_;
+  MockBusConfig config_;
   Emulator emulator_;
   bool there_ = false, busy_ = false, stuck_ = false;
   int reads_to_fail_ = 0, read_error_ = 0, halts_cleared_ = 0;
