@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "master/falcon_usb/ftdi.hpp"
+
 namespace farhand::falcon_usb {
 namespace {
 
@@ -144,8 +146,9 @@ gboolean MockBus::handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBu
   std::unique_lock lock(self->mutex_);
   const auto& clock = self->config_.clock;
   const TimePoint until = clock() + self->config_.patience;
+  const bool patient = !self->reaping_;
   int error = self->answer(client);
-  while (error == EAGAIN && clock() < until) {
+  while (error == EAGAIN && patient && clock() < until) {
     lock.unlock();
     std::this_thread::sleep_for(kNap);
     lock.lock();
@@ -218,8 +221,10 @@ void MockBus::describe(Urb& urb) const {
   urb.finish(0, static_cast<int>(text.size()));
 }
 
+// What is finished now, one by one, and then nothing: libusb asks until there is nothing more, and
+// a slow one would never hear that from a chip that has a packet every millisecond.
 int MockBus::reap(UMockdevIoctlData* argument) {
-  let_time_pass();
+  if (!std::exchange(reaping_, true)) let_time_pass();
   for (auto urb = flying_.begin(); urb != flying_.end(); ++urb) {
     if (!there_) urb->finish(-ENODEV, 0);
     if (!urb->finished) continue;
@@ -231,6 +236,7 @@ int MockBus::reap(UMockdevIoctlData* argument) {
     flying_.erase(urb);
     return 0;
   }
+  reaping_ = false;
   return there_ ? EAGAIN : ENODEV;
 }
 
@@ -252,7 +258,9 @@ void MockBus::let_time_pass() {
 }
 
 void MockBus::hear(const Event& event) {
-  if (event.kind == EventKind::received) packets_.push_back(event.packet);
+  // The chip does not queue packets that carry nothing.
+  const bool empty = event.packet.size <= kFtdiStatusBytes && !packets_.empty();
+  if (event.kind == EventKind::received && !empty) packets_.push_back(event.packet);
   if (event.kind != EventKind::sent && event.kind != EventKind::failed) return;
   const bool sent = event.kind == EventKind::sent;
   for (Urb& urb : flying_) {

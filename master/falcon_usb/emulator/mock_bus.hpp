@@ -80,6 +80,7 @@ class MockBus {
   MockBusConfig config_;
   Emulator emulator_;
   bool there_ = false, busy_ = false, stuck_ = false;
+  bool reaping_ = false;  // what was finished when time passed last
   int reads_to_fail_ = 0, read_error_ = 0, halts_cleared_ = 0;
   std::deque<Urb> flying_;
   std::deque<UsbBytes> packets_;
