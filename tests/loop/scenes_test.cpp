@@ -18,7 +18,7 @@ namespace {
 #ifdef FARHAND_SANITIZED
 constexpr std::uint64_t kSeeds = 1;
 constexpr double kTraceSeconds = 10;
-constexpr std::optional<double> kSceneSeconds = 3;
+constexpr std::optional<double> kSceneSeconds = 2;
 #else
 constexpr std::uint64_t kSeeds = 10;
 constexpr double kTraceSeconds = 70;
