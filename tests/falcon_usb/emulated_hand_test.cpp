@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "master/falcon_usb/emulator/scripted_hand.hpp"
-#include "master/position_control.hpp"
 #include "tests/falcon_usb/rig.hpp"
 
 namespace farhand::falcon_usb {
@@ -31,10 +30,6 @@ struct HandRig {
   Emulator emulator;
   Driver driver;
 };
-
-std::vector<Press> gesture(double at) {
-  return {{Button::dead_man, at, 0.8}, {Button::clutch, at, 0.8}};
-}
 
 Vec6 torque_for(const HandleReading& reading, const Vec3& f_H_M) {
   Vec6 tau = Vec6::Zero();
@@ -68,66 +63,6 @@ TEST(EmulatedHand, AForceCommandedIsTheForceThatPushesTheHand) {
     // Half a count of each motor is up to 2.2 mN here, of each encoder 2 mN through the map.
     EXPECT_LE((500 * moved - f_H_M).norm(), 0.005) << f_H_M.transpose();
   }
-}
-
-// ---- F1, without weight, through the USB and without
-
-struct Step {
-  double settled_s = 0;  // within 1.5 mm from then on
-  double overshoot = 0;  // [m] along the way
-};
-
-const Vec3 kFrom(0.015, -0.057, 0.118), kTo(0.025, -0.025, 0.115);
-
-// `device` turns a torque into the position and the angles 10 ms later.
-template <typename Device>
-Step step_response(Device&& device) {
-  PositionControl control({.gravity_mass = 0, .set_points = {{0ms, kTo}}}, 0.01);
-  Step out;
-  HandleReading reading{.ok = true};
-  reading.theta.head<3>() = motor_angles(kFalconTable1, kFrom).theta1;
-  Vec3 last = kFrom;
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3 p = forward(kFalconTable1, reading.theta.head<3>()).p_MH;
-    LimitSet limits = kLimitNone;
-    const Vec3 f_H_M =
-        control.step(kStart + i * 10ms, {.p_MH = p, .v_MH = (p - last) / 0.01}, limits);
-    last = p;
-    const Vec3 truth = device(torque_for(reading, f_H_M), reading);
-    if ((truth - kTo).norm() > 0.0015) out.settled_s = (i + 1) * 0.01;
-    out.overshoot = std::max(out.overshoot, (truth - kTo).dot((kTo - kFrom).normalized()));
-  }
-  return out;
-}
-
-SimHandConfig grip_of_f1() {
-  SimHandConfig sim{.presses = gesture(0.1), .start_p_MH = kFrom, .encoder_step = 0};
-  sim.device = {.mass = 0.3, .damping = 55, .friction = 0, .weight = 0};
-  return sim;
-}
-
-TEST(EmulatedHand, F1IsTheSameThroughTheUsbWithin2PercentAndACount) {
-  SimHand<FalconGeometry> plain(kFalconTable1, grip_of_f1());
-  plain.read(kStart);
-  TimePoint now = kStart;
-  const Step without = step_response([&](const Vec6& tau, HandleReading& reading) {
-    plain.write(now, tau);
-    reading = plain.read(now += 10ms);
-    return plain.truth().state.p_MH;
-  });
-  HandRig rig({.processor = {.firmware_loaded = true, .homed = true}}, grip_of_f1());
-  rig.wait(1);
-  ASSERT_EQ(rig.phase(), Phase::armed);
-  const Step with = step_response([&](const Vec6& tau, HandleReading& reading) {
-    rig.live(0.01, 1ms, [&](const HandleReading&) { return tau; });
-    reading = rig.driver.read(rig.now);
-    return rig.hand.truth().state.p_MH;
-  });
-  const double count = 0.06 * theta1_quantum(kFalconTable1);  // [m] at the arm's end
-  EXPECT_LE(std::abs(with.settled_s - without.settled_s), 0.02 * without.settled_s + 0.01)
-      << with.settled_s << " against " << without.settled_s;
-  EXPECT_LE(std::abs(with.overshoot - without.overshoot), 0.02 * without.overshoot + count)
-      << with.overshoot << " against " << without.overshoot;
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/realtime.hpp"
 #include "master/falcon_usb/calibration.hpp"
 #include "master/falcon_usb/tool/commands.hpp"
 #include "master/falcon_usb/tool/hold.hpp"
@@ -13,7 +14,6 @@
 namespace farhand::falcon_usb {
 namespace {
 
-constexpr Duration kHands = std::chrono::minutes(5);
 constexpr double kDegree = std::numbers::pi / 180;
 
 struct Table {
@@ -40,12 +40,8 @@ std::optional<Vec3> rest(Session& session) {
   constexpr double kMostSpread = 20;  // [counts]
   Vec3 sum = Vec3::Zero(), least = Vec3::Constant(1e9), most = -least;
   int samples = 0;
-  std::optional<TimePoint> last;
-  session.run(kLook, [&](TimePoint) {
-    const auto& s = session.driver().sample();
-    if (!s || (last && s->at == *last)) return false;
-    last = s->at;
-    const auto& n = s->answer.encoders;
+  session.run_samples(kLook, [&](TimePoint, const Sample& sample) {
+    const auto& n = sample.answer.encoders;
     const Vec3 counts(n[0], n[1], n[2]);
     sum += counts;
     least = least.cwiseMin(counts);
@@ -110,11 +106,8 @@ std::optional<KnownLoad> carried(Session& session, const DriverConfig& config,
   KnownLoad out{.mass = mass};
   int samples = 0;
   bool lost = false;
-  std::optional<TimePoint> last, from;
-  session.run(kSettle + kLook, [&](TimePoint now) {
-    const auto& s = session.driver().sample();
-    if (!s || (last && s->at == *last)) return false;
-    last = s->at;
+  std::optional<TimePoint> from;
+  session.run_samples(kSettle + kLook, [&](TimePoint now, const Sample&) {
     if (!from) from = now;
     const auto step = hold.step(now, session.driver().read(now));
     session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
@@ -126,7 +119,7 @@ std::optional<KnownLoad> carried(Session& session, const DriverConfig& config,
     ++samples;
     return false;
   });
-  if (last) session.driver().write(*last, Vec6::Zero());
+  session.driver().write(monotonic_now(), Vec6::Zero());
   if (lost || samples == 0) return {};
   out.p_MH /= samples;
   out.motors /= samples;

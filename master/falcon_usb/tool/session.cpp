@@ -77,6 +77,17 @@ bool Session::run(Duration most, const std::function<bool(TimePoint)>& done) {
   return false;
 }
 
+bool Session::run_samples(Duration most,
+                          const std::function<bool(TimePoint, const Sample&)>& done) {
+  std::optional<TimePoint> last;
+  return run(most, [&](TimePoint now) {
+    const auto& sample = driver_.sample();
+    if (!sample || (last && sample->at == *last)) return false;
+    last = sample->at;
+    return done(now, *sample);
+  });
+}
+
 void Session::reach(Phase phase, Duration most) {
   if (run(most, [&](TimePoint) { return driver_.status().phase == phase; })) return;
   throw std::runtime_error(std::string("the Falcon is not ") + to_string(phase) + " after " +

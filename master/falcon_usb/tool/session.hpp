@@ -18,6 +18,8 @@ struct SessionConfig {
   std::vector<std::byte> firmware;
 };
 
+inline constexpr Duration kHands = std::chrono::minutes(3);  // for what the user must do
+
 class Session {
  public:
   explicit Session(SessionConfig config);
@@ -29,6 +31,9 @@ class Session {
   // False if time was up first. Throws a sentence if the driver has failed, and if the user pressed
   // Ctrl-C. Says on stderr what the user is to do, each time that changes.
   bool run(Duration most, const std::function<bool(TimePoint)>& done);
+
+  // The same, called once for each new sample that can be believed.
+  bool run_samples(Duration most, const std::function<bool(TimePoint, const Sample&)>& done);
 
   // Until the driver is in that phase; throws a sentence if it is not within `most`.
   void reach(Phase phase, Duration most);

@@ -1,13 +1,12 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "common/realtime.hpp"
 #include "master/falcon_usb/tool/commands.hpp"
 #include "master/falcon_usb/tool/hold.hpp"
 
 namespace farhand::falcon_usb {
 namespace {
-
-constexpr Duration kHands = std::chrono::minutes(2);  // for what the user must do
 
 bool report(bool good, const std::string& what, const std::string& remedy) {
   std::printf("%-6s %s%s%s\n", good ? "ok" : "FAILED", what.c_str(), good ? "" : ": ",
@@ -43,17 +42,13 @@ bool button(Session& session, const char* name, std::uint8_t bit) {
 std::optional<double> drive(Session& session, Hold& hold, const Vec3& to) {
   constexpr Duration kWay = std::chrono::milliseconds(2500);
   hold.go(to);
-  std::optional<TimePoint> last;
   std::optional<Hold::Step> step;
-  session.run(kWay, [&](TimePoint now) {
-    const auto& sample = session.driver().sample();
-    if (!sample || (last && sample->at == *last)) return false;
-    last = sample->at;
+  session.run_samples(kWay, [&](TimePoint now, const Sample&) {
     step = hold.step(now, session.driver().read(now));
     session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
     return step && step->lost;
   });
-  session.driver().write(*last, Vec6::Zero());
+  session.driver().write(monotonic_now(), Vec6::Zero());
   if (!step || step->lost) return {};
   return (step->p_MH - to).norm();
 }
