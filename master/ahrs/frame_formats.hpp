@@ -18,6 +18,8 @@ inline FrameScan no_frame() noexcept {
   return {.kind = FrameScan::Kind::none};
 }
 
+inline constexpr double kTeslaPerGauss = 1e-4;
+
 using Bytes = std::span<const std::byte>;
 using FrameBytes = std::span<std::byte, kMaxFrameBytes>;
 

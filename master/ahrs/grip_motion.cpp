@@ -16,7 +16,7 @@ constexpr double kHalfBlock = 0.008;   // [s] of the encoders' acceleration
 constexpr int kMostHalfBlock = 12;     // [ticks], so that the memory holds three blocks
 constexpr double kRestRange = 3;       // of rest_turn, between the ends of what a gyroscope reads
 
-Quat turned_by(const Vec3& r) noexcept {
+Quat quaternion_of(const Vec3& r) noexcept {
   return Quat(rotation(r));
 }
 
@@ -191,12 +191,12 @@ void GripMotion::orient(TimePoint now) noexcept {
   rate_ = std::min(rate, rate_ + Ts / slowing);
   const double turning = seconds(std::min(age, config_.coast)) + late * (1 + rate) / 2;
   const Vec3 omega_H = gyro_H_ - filter_.bias();
-  const Quat target = filter_.q_MH() * turned_by(turning * omega_H);
+  const Quat target = filter_.q_MH() * quaternion_of(turning * omega_H);
 
   given_.V_MH.angular = rate_ * (given_.X_MH.R * omega_H);
-  const Quat turned = turned_by(Ts * given_.V_MH.angular) * Quat(given_.X_MH.R);
+  const Quat turned = quaternion_of(Ts * given_.V_MH.angular) * Quat(given_.X_MH.R);
   const Vec3 off = rotation_vector((target * turned.conjugate()).toRotationMatrix());
-  const Quat back = turned_by(clamp_norm(off, config_.return_rate * Ts));
+  const Quat back = quaternion_of(clamp_norm(off, config_.return_rate * Ts));
   given_.X_MH.R = (back * turned).normalized().toRotationMatrix();
 }
 

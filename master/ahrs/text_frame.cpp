@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxSentence = 180, kHexDigits = 2;
 constexpr std::string_view kImuHead = "$VNIMU,", kYmrHead = "$VNYMR,";
 constexpr std::size_t kImuNumbers = 11, kYmrNumbers = 12;
-constexpr double kTeslaPerGauss = 1e-4, kDegree = std::numbers::pi / 180;
+constexpr double kDegree = std::numbers::pi / 180;
 
 std::string_view characters(Bytes bytes) noexcept {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};

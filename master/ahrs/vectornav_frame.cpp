@@ -20,7 +20,6 @@ enum Field : unsigned {
 };
 constexpr std::array<std::uint8_t, 15> kFieldBytes{8,  8,  8,  12, 16, 12, 24, 12,
                                                    12, 24, 20, 28, 2,  4,  8};
-constexpr double kTeslaPerGauss = 1e-4;
 
 constexpr bool has(unsigned fields, Field f) noexcept {
   return (fields >> f & 1) != 0;
