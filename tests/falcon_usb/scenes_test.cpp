@@ -5,8 +5,7 @@
 #include "master/build.hpp"
 #include "master/build_falcon.hpp"
 #include "master/build_sim_hand.hpp"
-#include "master/falcon_usb/emulator/emulated_hand.hpp"
-#include "tests/falcon_usb/rig.hpp"
+#include "tests/falcon_usb/armed_grip.hpp"
 #include "tests/loop/loopback.hpp"
 
 namespace farhand::falcon_usb {
@@ -28,63 +27,21 @@ Course simulated(const Scene& scene) {
   return out;
 }
 
-// Until the device is armed a user holds the grip where it starts.
-struct HeldGrip {
-  explicit HeldGrip(SimHandConfig config) : hand({}, std::move(config)), moving(hand.mechanism()) {}
-
-  Mechanism mechanism() {
-    return {.read =
-                [this](TimePoint now) {
-                  if (free) return moving.read(now);
-                  return GripState{.counts = held, .buttons = buttons};
-                },
-            .drive =
-                [this](TimePoint now, const AxisWords& counts) {
-                  if (free) moving.drive(now, counts);
-                }};
-  }
-
-  EmulatedHand hand;
-  Mechanism moving;
-  bool free = false;
-  AxisWords held{};
-  std::uint8_t buttons = 0;
-};
-
 Course through_usb(const Scene& scene) {
   SimHandConfig sim = sim_hand_config(scene, {});
   sim.presses.clear();
-  const Duration period = from_seconds(1 / scene.proto.rate_hz());
-  const auto counts =
-      counts_from_theta1(kFalconTable1, motor_angles(kFalconTable1, *sim.start_p_MH).theta1);
-  HeldGrip grip(std::move(sim));
-  for (std::size_t i = 0; i < 3; ++i)
-    grip.held[i] = static_cast<std::int16_t>(counts[static_cast<Eigen::Index>(i)]);
-  Emulator emulator({.processor = {.firmware_loaded = true, .homed = true}}, grip.mechanism());
-  DriverConfig config = falcon_usb_config(scene).driver;
-  config.pacing = Pacing::device;
-  Driver driver(config);
-  TimePoint now = kStart;
-  emulator.plug(now);
-  run(emulator, driver, now, now + 1s);
-  grip.buttons = kGesture;
-  run(emulator, driver, now, now + 1s);
-  grip.buttons = 0;
-  run(emulator, driver, now, now + 100ms);
-  EXPECT_EQ(driver.status().phase, Phase::armed);
-
+  ArmedGrip grip(std::move(sim), falcon_usb_config(scene).driver);
   Master master(master_config(scene.proto));
   Course out;
-  grip.free = true;
-  const TimePoint start = now;
-  while (seconds(now - start) < scene.proto.duration_s()) {
-    master.sample(now, driver.read(now), {});
-    const MasterTick& tick = master.actuate(now, {});
-    driver.write(now, tick.tau);
-    out.push_back({seconds(now - start), tick.handle.X_MH.p});
-    run(emulator, driver, now, now + period);
+  const TimePoint start = grip.now;
+  while (seconds(grip.now - start) < scene.proto.duration_s()) {
+    master.sample(grip.now, grip.driver.read(grip.now), {});
+    const MasterTick& tick = master.actuate(grip.now, {});
+    grip.driver.write(grip.now, tick.tau);
+    out.push_back({seconds(grip.now - start), tick.handle.X_MH.p});
+    grip.live(from_seconds(1 / scene.proto.rate_hz()));
   }
-  EXPECT_EQ(driver.status().phase, Phase::armed);
+  EXPECT_EQ(grip.driver.status().phase, Phase::armed);
   return out;
 }
 
