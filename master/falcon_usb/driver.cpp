@@ -8,11 +8,6 @@ namespace {
 constexpr int kMostFailedRequests = 3;  // in a row
 constexpr int kLastAnswers = 3;
 
-Trouble trouble_of(Refusal refusal) noexcept {
-  if (refusal == Refusal::permission) return Trouble::permission;
-  return refusal == Refusal::busy ? Trouble::busy : Trouble::cannot_open;
-}
-
 std::uint8_t leds(Phase phase) noexcept {
   return phase == Phase::armed ? kLedGreen : phase == Phase::homed ? kLedBlue : kLedRed;
 }

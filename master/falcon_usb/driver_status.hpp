@@ -6,6 +6,7 @@
 
 #include "master/falcon_usb/exchange.hpp"
 #include "master/falcon_usb/firmware_upload.hpp"
+#include "master/falcon_usb/transport.hpp"
 
 namespace farhand::falcon_usb {
 
@@ -35,6 +36,12 @@ enum class Trouble : std::uint8_t {
   not_running,    // nor does it after an upload
   jumped,         // its encoders' zero has moved
 };
+constexpr Trouble trouble_of(Refusal refusal) noexcept {
+  if (refusal == Refusal::none) return Trouble::none;
+  if (refusal == Refusal::permission) return Trouble::permission;
+  return refusal == Refusal::busy ? Trouble::busy : Trouble::cannot_open;
+}
+
 struct DriverStatus {
   Phase phase = Phase::absent;
   Trouble trouble = Trouble::none;

@@ -4,6 +4,7 @@
 
 #include "common/histogram.hpp"
 #include "common/realtime.hpp"
+#include "master/falcon_usb/advice.hpp"
 #include "master/falcon_usb/tool/commands.hpp"
 #include "master/falcon_usb/usb_list.hpp"
 
@@ -12,17 +13,9 @@ namespace {
 
 constexpr Duration kSetUp = std::chrono::seconds(5), kUpload = std::chrono::minutes(2);
 
-const char* refusal_text(Refusal refusal) {
-  switch (refusal) {
-    case Refusal::none:
-      return "can be opened";
-    case Refusal::permission:
-      return "may not be opened by this user: install the udev rule 60-farhand-falcon.rules";
-    case Refusal::busy:
-      return "is in use by another program";
-    default:
-      return "cannot be opened: plug it in again";
-  }
+std::string openable(Refusal refusal) {
+  if (refusal == Refusal::none) return "can be opened";
+  return advice({.phase = Phase::failed, .trouble = trouble_of(refusal)});
 }
 
 std::string buttons(std::uint8_t pressed) {
@@ -61,7 +54,7 @@ int list() {
   const auto found = list_falcons();
   for (const Found& f : found)
     std::printf("bus %d device %d  serial %s  %s\n", f.bus, f.address,
-                f.serial.empty() ? "unknown" : f.serial.c_str(), refusal_text(f.refusal));
+                f.serial.empty() ? "unknown" : f.serial.c_str(), openable(f.refusal).c_str());
   if (found.empty())
     std::puts("no Falcon on the USB; plug it in, directly rather than through a hub");
   return found.empty() ? 1 : 0;
