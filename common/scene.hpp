@@ -56,7 +56,7 @@ std::filesystem::path beside(const Scene& scene, const std::string& file);
 // out and every default written out, so that a field left out and its default given hash alike.
 // Present and absent messages differ, since presence means a stage. Local are descriptions, seeds,
 // run lengths, addresses, impairments, what is asked of a machine's system, and the insides of
-// simulated devices: two machines may simulate differently, or one of them not at all. Shared are
+// devices: two machines may simulate differently, or one of them not at all. Shared are
 // the tick rate, the handle and its geometry, the force feedback and sensing, the workspace, the
 // servos, and the link's times. Every build of one schema gives the same value; a schema with
 // another shared field gives another, on purpose.

@@ -8,14 +8,12 @@ std::string remedy(const DriverStatus& status) {
   switch (status.trouble) {
     case Trouble::permission:
       return "install the udev rule 60-farhand-falcon.rules, see that you are in group plugdev, "
-             "and "
-             "plug it in again";
+             "and plug it in again";
     case Trouble::busy:
       return "end the other program";
     case Trouble::no_firmware:
       return "give it the image by farhand-falcon firmware FILE, or name firmware_file in the "
-             "scene; "
-             "if it had one, see that its own power supply is plugged in";
+             "scene; if it had one, see that its own power supply is plugged in";
     case Trouble::upload_failed:
       return std::string(to_string(status.upload_fault)) +
              "; see that its power supply is plugged in, connect it without a hub, and plug it in "
@@ -32,8 +30,7 @@ std::string homing(const DriverStatus& status) {
   const std::string why =
       status.trouble == Trouble::none ? "" : std::string(to_string(status.trouble)) + ": ";
   return why +
-         "pull the grip all the way out, then push it all the way in, until the light turns "
-         "blue";
+         "pull the grip all the way out, then push it all the way in, until the light turns blue";
 }
 
 }  // namespace

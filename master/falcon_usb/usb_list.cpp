@@ -1,10 +1,6 @@
 #include "master/falcon_usb/usb_list.hpp"
 
-#include <libusb.h>
-
-#include <array>
 #include <memory>
-#include <stdexcept>
 
 #include "master/falcon_usb/usb_identity.hpp"
 

@@ -120,7 +120,7 @@ std::optional<KnownLoad> carried(Session& session, const DriverConfig& config,
     return false;
   });
   session.driver().write(monotonic_now(), Vec6::Zero());
-  if (lost || samples == 0) return {};
+  if (!session.armed() || lost || samples == 0) return {};
   out.p_MH /= samples;
   out.motors /= samples;
   return out;

@@ -102,8 +102,7 @@ int upload(Session& session) {
   if (shown >= 0) std::fputc('\n', stderr);
   std::puts(shown >= 0
                 ? "the firmware runs"
-                : "firmware runs already; to load another, switch the Falcon's supply off and "
-                  "on");
+                : "firmware runs already; to load another, switch the Falcon's supply off and on");
   return 0;
 }
 
@@ -121,9 +120,8 @@ int monitor(Session& session, const FalconGeometry& geometry, Duration most) {
       const DriverStatus status = session.driver().status();
       const Vec3 mm = 1e3 * at.p_MH;
       std::fprintf(stderr,
-                   "\r%-6s  counts %6d %6d %6d  grip (%6.1f %6.1f %6.1f) mm  buttons %-14s  asked "
-                   "again %llu  "
-                   "left out %llu ",
+                   "\r%-6s  counts %6d %6d %6d  grip (%6.1f %6.1f %6.1f) mm  buttons %-14s  "
+                   "asked again %llu  left out %llu ",
                    to_string(status.phase), n[0], n[1], n[2], mm.x(), mm.y(), mm.z(),
                    buttons(s->answer.buttons).c_str(),
                    static_cast<unsigned long long>(status.exchange.unanswered),

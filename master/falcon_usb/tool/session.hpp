@@ -42,6 +42,7 @@ class Session {
   std::string ask(const std::string& question);
 
   Driver& driver() noexcept { return driver_; }
+  bool armed() const noexcept { return driver_.status().phase == Phase::armed; }
 
  private:
   void turn(TimePoint now);

@@ -49,7 +49,7 @@ std::optional<double> drive(Session& session, Hold& hold, const Vec3& to) {
     return step && step->lost;
   });
   session.driver().write(monotonic_now(), Vec6::Zero());
-  if (!step || step->lost) return {};
+  if (!session.armed() || !step || step->lost) return {};
   return (step->p_MH - to).norm();
 }
 
