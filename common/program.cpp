@@ -121,9 +121,9 @@ std::string with_credentials(const SecureService* secure) {
   return secure == nullptr ? "" : ", " + secure->credentials();
 }
 
-void start_realtime(const proto::Realtime& realtime, bool real_device) {
+void start_realtime(const proto::Realtime& realtime, bool real_device, int priority) {
   const RealtimeConfig config = realtime_config(realtime);
-  const auto refused = enter_realtime(config, kLoopPriority);
+  const auto refused = enter_realtime(config, priority);
   warn_each(refused);
   if (const auto why = degraded_refusal(real_device, refused, config.allow_degraded))
     throw std::runtime_error(*why);

@@ -17,7 +17,10 @@
 
 namespace farhand {
 
-inline constexpr int kLoopPriority = 80;  // SCHED_FIFO, below the kernel's own threads
+// SCHED_FIFO, below the kernel's own threads. Where both loops share a processor the slave's gives
+// way: the answer becomes force before the slave has tidied up behind it.
+inline constexpr int kLoopPriority = 80;
+inline constexpr int kSlaveLoopPriority = kLoopPriority - 1;
 
 struct ProgramOptions {
   std::string scene;
@@ -72,7 +75,7 @@ std::string with_credentials(const SecureService* secure);
 
 // The calling thread becomes the loop's, as the scene's words about this side's machine say. What
 // was refused is warned of; for a real device it throws a sentence unless the scene allows it.
-void start_realtime(const proto::Realtime& realtime, bool real_device);
+void start_realtime(const proto::Realtime& realtime, bool real_device, int priority);
 
 // Start-up line and warnings, on stderr.
 void announce(const Scene& scene, const std::string& where);

@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
         if (const auto& calibration = scene.proto.master().falcon_usb().calibration();
             !calibration.empty())
           status.advise("calibrated as " + calibration);
-        start_realtime(realtime, is_real(device));
+        start_realtime(realtime, is_real(device), kLoopPriority);
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
                    recorder)
             .run(options.limit());

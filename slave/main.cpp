@@ -48,7 +48,7 @@ int main(int argc, char** argv) {
 
         announce(scene,
                  "listening on " + to_string(socket.local()) + with_credentials(secure.get()));
-        start_realtime(realtime, is_real(robot));
+        start_realtime(realtime, is_real(robot), kSlaveLoopPriority);
         SlaveLoop(loop, slave, robot, link, socket, recorder).run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
