@@ -77,6 +77,11 @@ class HandleVelocity {
  public:
   HandleVelocity(double cutoff_hz, double Ts) noexcept;
   const Twist& step(const Pose& X_MH) noexcept;  // at H, axes of M
+  // The next pose is elsewhere, and no motion led there.
+  void restart() noexcept {
+    primed_ = false;
+    V_MH_ = {};
+  }
 
  private:
   double gain_per_Ts_;

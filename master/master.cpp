@@ -26,7 +26,7 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   tick_.now = now;
   tick_.reading = reading;
   tick_.limits = kLimitNone;
-  if (reading.ok) update(handle_, reading.theta, tick_.handle);
+  if (reading.ok) place_handle();
   decide_mode(slave);
   if (maps_forces_) sense_force();
   count_presses();
@@ -42,6 +42,18 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
   if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
   return out;
+}
+
+// An arm that leaps is no reading.
+void Master::place_handle() noexcept {
+  using Is = JointContinuity::Verdict;
+  const Vec6& theta = tick_.reading.theta;
+  const Is is = theta.allFinite() ? continuity_.step(tick_.now, theta) : Is::leapt;
+  if (is == Is::elsewhere) velocity_.restart();
+  if (is == Is::leapt)
+    tick_.handle.status = Status::not_finite;
+  else
+    update(handle_, theta, tick_.handle);
 }
 
 void Master::sense_force() noexcept {

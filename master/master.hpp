@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/alignment.hpp"
+#include "common/joint_continuity.hpp"
 #include "common/limits.hpp"
 #include "common/mode.hpp"
 #include "common/peer.hpp"
@@ -101,6 +102,7 @@ class Master {
   const MasterConfig& config() const noexcept { return config_; }
 
  private:
+  void place_handle() noexcept;
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   bool aligned(const SlaveToMaster& in) noexcept;
   bool usable() const noexcept;
@@ -114,6 +116,8 @@ class Master {
   MasterConfig config_;
   Handle handle_;
   HandleVelocity velocity_;
+  // At 20 rad/s the arm's end is as fast as a hand, 2 m/s.
+  JointContinuity continuity_{Vec6::Constant(20)};
   std::optional<HandleForceSensing> force_sensing_;
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kSpeedShare = 0.95;      // of a joint's largest speed
 constexpr double kFullSpeedAfter = 0.05;  // [s]
+constexpr double kAtLimit = 0.002;        // [rad] that a joint at rest there is seen beyond it
 
 }  // namespace
 
@@ -30,17 +31,18 @@ std::complex<double> servo_error(const JointServoConfig& c, double w) noexcept {
   return (s * s + (1 - fed) * g.kd * s) / (s * s + g.kd * s + g.kp + g.ki / s);
 }
 
-JointServo::JointServo(const JointServoConfig& config, const ArmModel& model, const Vec6& max_speed,
-                       double Ts) noexcept
+JointServo::JointServo(const JointServoConfig& config, const ArmModel& model,
+                       const JointLimits& joints, double Ts) noexcept
     : config_(config),
       model_(model),
       dynamics_(make_arm_dynamics(model)),
+      joints_(joints),
       Ts_(Ts),
       rate_gain_(low_pass_gain(config.command_cutoff_hz, Ts)) {
   for (int i = 0; i < 6; ++i) {
     const PidConfig gains = joint_gains(config, config.inertia[i], model.links[i].torque_limit);
     pid_[i] = make_pid(gains, Ts);
-    max_drive_[i] = gains.kd * kSpeedShare * max_speed[i];
+    max_drive_[i] = gains.kd * kSpeedShare * joints.speed[i];
   }
   drive_step_ = max_drive_ * (Ts / kFullSpeedAfter);
 }
@@ -62,6 +64,15 @@ const Vec6& JointServo::command_rate(const Vec6& q_cmd) noexcept {
   dq_cmd_ += rate_gain_ * ((q_cmd - q_cmd_) / Ts_ - dq_cmd_);
   q_cmd_ = q_cmd;
   return dq_cmd_;
+}
+
+void JointServo::turn_back(const Vec6& q) noexcept {
+  for (int i = 0; i < 6; ++i) {
+    PidState& s = state_[i];
+    const bool above = q[i] > joints_.upper[i] + kAtLimit;
+    const bool below = q[i] < joints_.lower[i] - kAtLimit;
+    if ((above && s.I > 0) || (below && s.I < 0)) s.I = s.I_lost = 0;
+  }
 }
 
 Vec6 JointServo::limited(const Vec6& drive) const noexcept {
@@ -92,6 +103,7 @@ Vec6 JointServo::step(const Vec6& q_cmd, const Vec6& q) noexcept {
   drive_ = limited(drive);
   held_back_ = (drive.cwiseAbs() - max_drive_).maxCoeff() > 0;
   ahead -= drive - drive_;
+  turn_back(q);
   Vec6 tau;
   for (int i = 0; i < 6; ++i) {
     PidState& s = state_[i];

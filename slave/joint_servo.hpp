@@ -11,6 +11,9 @@
 // lags or turns round at full speed does not throw the joint beyond it, though the torque's own
 // slew is slow against a light joint. Below nothing changes.
 //
+// A joint that stands beyond its limit loses what its integral pushes it further with: wound up by
+// a fast motion's lag, it would hold it there against friction.
+//
 // Each feed-forward term is a stage of its own and costs nothing when it is absent. dq_cmd is the
 // low-passed difference of q_cmd.
 #pragma once
@@ -21,6 +24,7 @@
 
 #include "common/geometry.hpp"
 #include "common/pid.hpp"
+#include "slave/arm.hpp"
 #include "slave/arm_dynamics.hpp"
 
 namespace farhand {
@@ -54,8 +58,8 @@ std::complex<double> servo_error(const JointServoConfig& config, double w) noexc
 
 class JointServo {
  public:
-  // Ts > 0 [s]; the model gives gravity, friction and torque limits; max_speed [rad/s].
-  JointServo(const JointServoConfig& config, const ArmModel& model, const Vec6& max_speed,
+  // Ts > 0 [s]; the model gives gravity, friction and torque limits.
+  JointServo(const JointServoConfig& config, const ArmModel& model, const JointLimits& joints,
              double Ts) noexcept;
 
   // Joint torques [N m], not yet limited. The first call after reset() starts without a kick.
@@ -67,12 +71,14 @@ class JointServo {
   bool held_back() const noexcept { return held_back_; }
 
  private:
+  void turn_back(const Vec6& q) noexcept;
   const Vec6& command_rate(const Vec6& q_cmd) noexcept;
   Vec6 limited(const Vec6& drive) const noexcept;
 
   JointServoConfig config_;
   ArmModel model_;
   ArmDynamics dynamics_;
+  JointLimits joints_;
   double Ts_;
   double rate_gain_;
   std::array<Pid, 6> pid_;

@@ -28,7 +28,8 @@ Slave::Slave(const SlaveConfig& config) noexcept
     : config_(config),
       q_step_(config.joints.speed * config.Ts),
       braking_(braking_rate(config.servo) * config.Ts),
-      servo_(config.servo, config.model, config.joints.speed, config.Ts) {
+      servo_(config.servo, config.model, config.joints, config.Ts),
+      continuity_(config.joints.speed) {
   for (int i = 0; i < 6; ++i) tau_max_[i] = config.model.links[i].torque_limit;
   tau_step_ = tau_max_ * (config.Ts / config.torque_rise_time_s);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing, config.Ts);
@@ -66,23 +67,11 @@ const SlaveTick& Slave::tick(TimePoint now, const Peer<MasterToSlave>& master,
   return tick_;
 }
 
-// No joint leaps. After a longer gap, or a leap that stays, it takes two readings that agree; and
-// then the robot is held where they find it.
+// Where two readings agree that it is elsewhere, the robot is held where they find it.
 bool Slave::continues(const RobotReading& robot) noexcept {
-  const bool leapt = read_ && leaps(*read_, robot.q);
-  if (leapt && !doubted_) believed_ = *read_;
-  if (doubted_ && !leapt && leaps(believed_, robot.q)) blind_ = true;
-  doubted_ = leapt;
-  read_ = {robot.q, tick_.now};
-  return !leapt;
-}
-
-bool Slave::leaps(const Place& from, const Vec6& q) const noexcept {
-  constexpr double kLeap = 0.05;  // [rad] beside twice what its speed allows
-  constexpr Duration kGap = std::chrono::milliseconds(50);
-  const double since = seconds(std::clamp(tick_.now - from.at, Duration::zero(), kGap));
-  const Vec6 way = 2 * since * config_.joints.speed + Vec6::Constant(kLeap);
-  return ((q - from.q).cwiseAbs() - way).maxCoeff() > 0;
+  const auto verdict = continuity_.step(tick_.now, robot.q);
+  if (verdict == JointContinuity::Verdict::elsewhere) blind_ = true;
+  return verdict != JointContinuity::Verdict::leapt;
 }
 
 // What the robot does is not known: nobody may feel or follow it.
@@ -243,9 +232,19 @@ void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexce
   Vec6 tau = servo_.step(tick_.q_cmd, tick_.robot.q);
   if (config_.user_force && tick_.coupled)
     tau += joint_torques(J, pushed(*config_.user_force, bring(config_.workspace, in->F_user_M)));
+  tau = not_faster(tau);
   if (servo_.saturated()) tick_.limits |= kLimitSaturated;
   if (servo_.held_back()) tick_.limits |= kLimitSpeed;
   tick_.tau = limit_joint_torques(tau_max_, tau_step_, tau, tick_.tau, tick_.limits);
+}
+
+// A joint beyond its largest speed, by what others do to it, is driven no further.
+Vec6 Slave::not_faster(const Vec6& tau) const noexcept {
+  const Vec6& dq = tick_.robot.dq;
+  Vec6 out = tau;
+  for (int i = 0; i < 6; ++i)
+    if (std::abs(dq[i]) > config_.joints.speed[i] && tau[i] * dq[i] > 0) out[i] = 0;
+  return out;
 }
 
 void Slave::answer(const MasterToSlave* in) noexcept {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/alignment.hpp"
+#include "common/joint_continuity.hpp"
 #include "common/limits.hpp"
 #include "common/mode.hpp"
 #include "common/peer.hpp"
@@ -86,15 +87,10 @@ class Slave {
 
  private:
   static constexpr std::uint32_t kNoPressIsNew = UINT32_MAX;
-  struct Place {
-    Vec6 q = Vec6::Zero();
-    TimePoint at{};
-  };
 
   void decide_mode(const Peer<MasterToSlave>& master, bool reads) noexcept;
   bool aligned(const MasterToSlave& in) noexcept;
   bool continues(const RobotReading& robot) noexcept;
-  bool leaps(const Place& from, const Vec6& q) const noexcept;
   void stay_blind() noexcept;
   void find_again() noexcept;
   void move_target(const Peer<MasterToSlave>& master) noexcept;
@@ -103,6 +99,7 @@ class Slave {
   void follow_compensated(const Peer<MasterToSlave>& master) noexcept;
   void reach() noexcept;
   void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
+  Vec6 not_faster(const Vec6& tau) const noexcept;
   void answer(const MasterToSlave* in) noexcept;
   void tell_where() noexcept;
 
@@ -125,9 +122,7 @@ class Slave {
   std::uint32_t clutch_presses_ = kNoPressIsNew;
   // Before this tick both sides waited for the handle: a press of the clutch means it as it is.
   bool turn_asked_ = false;
-  std::optional<Place> read_;  // the last reading
-  bool doubted_ = false;       // it leapt
-  Place believed_;             // if so, the last that did not
+  JointContinuity continuity_;
   bool started_ = false;
   bool found_ = false;            // in the last tick, by one reading alone
   bool blind_ = false;            // through a fault

@@ -2,58 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/master_rig.hpp"
+
 namespace farhand {
 namespace {
 
 using std::chrono::milliseconds;
-
-// A handle held still at home by a hand that is not there, and a slave whose answer is always the
-// one set here.
-struct Rig {
-  explicit Rig(MasterConfig config = default_config()) : master(config) {
-    reading.theta = motor_angles(kTwinDelta, {}).theta1;
-  }
-
-  static MasterConfig default_config() {
-    MasterConfig c;
-    c.handle = TwinDeltaHandle{};
-    c.force_feedback.emplace();
-    c.force_feedback->controller.limits = {
-        .force = 20, .torque = 1, .twist_torque = 0.15, .force_step = 0.5, .torque_step = 0.025};
-    return c;
-  }
-
-  const MasterTick& tick(int times = 1) {
-    const MasterTick* t = nullptr;
-    for (int i = 0; i < times; ++i) {
-      now += milliseconds(1);
-      const Peer<SlaveToMaster> slave{
-          .newest = &answer, .connected = connected, .age = age, .synced = true};
-      sent = master.sample(now, reading, slave);
-      t = &master.actuate(now, slave);
-      answer.coupled = sent.mode == Mode::engaged;
-      if (hears) answer.clutch_presses_seen = sent.clutch_presses;
-    }
-    return *t;
-  }
-  void engage() {
-    reading.dead_man = false;
-    answer.mode = Mode::ready;
-    tick(2);
-    reading.dead_man = true;
-    tick();
-    answer.mode = Mode::engaged;
-  }
-
-  Master master;
-  HandleReading reading{.ok = true};
-  SlaveToMaster answer;
-  MasterToSlave sent;
-  bool hears = true;  // the slave, of presses
-  bool connected = true;
-  Duration age{};
-  TimePoint now{};
-};
+using Rig = MasterRig;
 
 // What the motors do to the hand, from their torques.
 Wrench felt(const MasterTick& t, const HandleReading& reading) {
@@ -230,41 +185,6 @@ TEST(Master, ARobotToldWithoutBeingCoupledIsNotFelt) {
   EXPECT_GT(rig.tick().F_env_G.torque.norm(), 0.05);  // coupled again
 }
 
-TEST(Master, ADeviceThatDoesNotReadReleasesTheMotors) {
-  Rig rig;
-  rig.answer.F_E_M.force = Vec3(4, 0, 0);
-  rig.engage();
-  EXPECT_GT(rig.tick(50).tau.norm(), 0.01);
-  rig.reading.ok = false;
-  EXPECT_EQ(rig.tick().mode, Mode::holding);
-  EXPECT_EQ(rig.tick().reason, Reason::silent);
-  EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
-}
-
-TEST(Master, AFaultStaysUntilTheClutchIsPressedWithTheDeadManReleased) {
-  Rig rig;
-  rig.answer.F_E_M.force = Vec3(4, 0, 0);
-  rig.engage();
-  rig.tick(50);
-  rig.reading.ok = false;
-  EXPECT_EQ(rig.tick(50).mode, Mode::holding);
-  EXPECT_EQ(rig.tick().mode, Mode::fault);
-  EXPECT_EQ(rig.sent.reason, Reason::silent);
-  rig.reading.ok = true;
-  rig.reading.dead_man = false;
-  EXPECT_EQ(rig.tick(1000).mode, Mode::fault);
-  EXPECT_EQ(rig.tick().tau, Vec6::Zero());
-  rig.reading.dead_man = true;
-  rig.reading.clutch = true;
-  EXPECT_EQ(rig.tick(2).mode, Mode::fault);
-  rig.reading.dead_man = false;
-  EXPECT_EQ(rig.tick(2).mode, Mode::fault);  // a fresh press it must be
-  rig.reading.clutch = false;
-  rig.tick();
-  rig.reading.clutch = true;
-  EXPECT_EQ(rig.tick().mode, Mode::ready);
-}
-
 TEST(Master, StoppedLetsEveryForceGoAndIsFinal) {
   Rig rig;
   rig.answer.F_E_M.force = Vec3(4, 0, 0);
@@ -275,21 +195,6 @@ TEST(Master, StoppedLetsEveryForceGoAndIsFinal) {
   EXPECT_EQ(rig.tick(50).tau, Vec6::Zero());
   rig.reading.dead_man = false;
   EXPECT_EQ(rig.tick(10).mode, Mode::stopped);
-}
-
-TEST(Master, AnglesThatNoHandleCanHaveKeepTheLastPoseAndHold) {
-  Rig rig;
-  rig.engage();
-  const Vec3 p = rig.sent.p_MH;
-  rig.reading.theta << 1.371, -1.007, 0.061, 0.377, -2.157, -1.430;  // the forearms do not meet
-  EXPECT_EQ(rig.tick(1000).mode, Mode::holding);  // moved back it goes on: no fault
-  EXPECT_EQ(rig.sent.reason, Reason::outside);
-  EXPECT_EQ(rig.sent.p_MH, p);
-  rig.reading.theta = Vec6::Constant(NAN);
-  EXPECT_EQ(rig.tick().mode, Mode::holding);
-  EXPECT_TRUE(rig.tick().tau.allFinite());
-  EXPECT_EQ(rig.tick(50).mode, Mode::fault);
-  EXPECT_EQ(rig.sent.reason, Reason::implausible);
 }
 
 TEST(Master, WithoutForceFeedbackTheMotorsStayAtZero) {

@@ -9,19 +9,20 @@
 namespace farhand {
 namespace {
 
-const Vec6 kSpeed = JointLimits{}.speed;
+const JointLimits kJoints;
+const Vec6& kSpeed = kJoints.speed;
 
 TEST(JointServo, GravityCompensationCarriesTheArmWithoutAnError) {
   const ArmModel model;
-  JointServo with({.gravity_compensation = true}, model, kSpeed, 0.001),
-      without({}, model, kSpeed, 0.001);
+  JointServo with({.gravity_compensation = true}, model, kJoints, 0.001),
+      without({}, model, kJoints, 0.001);
   const Vec6 tau = with.step(kTeleopHome, kTeleopHome);
   EXPECT_NEAR((tau - gravity_torques(make_arm_dynamics(model), kTeleopHome)).norm(), 0, 1e-12);
   EXPECT_EQ(without.step(kTeleopHome, kTeleopHome), Vec6::Zero());
 }
 
 TEST(JointServo, PushesTowardsTheCommandInProportion) {
-  JointServo servo({.integral_per_s = 0}, {}, kSpeed, 0.001);
+  JointServo servo({.integral_per_s = 0}, {}, kJoints, 0.001);
   servo.step(kTeleopHome, kTeleopHome);
   const Vec6 ahead = kTeleopHome + Vec6::Constant(0.001);
   const Vec6 tau = servo.step(ahead, kTeleopHome);
@@ -31,7 +32,7 @@ TEST(JointServo, PushesTowardsTheCommandInProportion) {
 }
 
 TEST(JointServo, TellsWhenAJointsLargestSpeedHoldsItBack) {
-  JointServo servo({}, {}, kSpeed, 0.001);
+  JointServo servo({}, {}, kJoints, 0.001);
   for (const auto& [ahead, held_back] : {std::pair(0.001, false), {1., true}, {0.001, false}}) {
     for (int k = 0; k < 50; ++k) servo.step(kTeleopHome + Vec6::Constant(ahead), kTeleopHome);
     EXPECT_EQ(servo.held_back(), held_back) << ahead;
@@ -40,7 +41,7 @@ TEST(JointServo, TellsWhenAJointsLargestSpeedHoldsItBack) {
 
 TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
   JointServo servo({.integral_per_s = 0, .velocity_feedforward = VelocityFeedforwardConfig{}}, {},
-                   kSpeed, 0.001);
+                   kJoints, 0.001);
   Vec6 tau;
   for (int k = 0; k < 2000; ++k) {
     const Vec6 q = Vec6::Constant(0.0002 * k);  // a joint exactly on a command that moves steadily
@@ -52,7 +53,7 @@ TEST(JointServo, VelocityFeedforwardCancelsTheServosOwnDamping) {
 TEST(JointServo, FrictionCompensationFollowsTheCommandedDirection) {
   const ArmModel model;
   JointServo servo({.integral_per_s = 0, .friction_compensation = FrictionCompensationConfig{}},
-                   model, kSpeed, 0.001);
+                   model, kJoints, 0.001);
   const JointServoConfig config;
   Vec6 tau;
   for (int k = 0; k < 2000; ++k) {
@@ -68,9 +69,25 @@ TEST(JointServo, FrictionCompensationFollowsTheCommandedDirection) {
   }
 }
 
+// Driven past its limit by what a fast motion wound up, it does not stay there.
+TEST(JointServo, AJointBeyondItsLimitLosesTheIntegralThatPushesItFurther) {
+  JointServo servo({}, {}, kJoints, 0.001);
+  const auto at_rest = [&](double q4) {
+    const Vec6 q = Vec6::Unit(3) * q4;
+    for (int k = 0; k < 100; ++k) servo.step(q, q);
+    return servo.step(q, q)[3];
+  };
+  for (int k = 0; k < 1000; ++k) servo.step(Vec6::Unit(3) * 0.1, Vec6::Zero());
+  const double wound = at_rest(0);
+  EXPECT_GT(wound, 5);
+  EXPECT_EQ(at_rest(kJoints.upper[3] + 0.001), wound);  // as near as encoders tell
+  EXPECT_EQ(at_rest(kJoints.lower[3] - 0.01), wound);   // it pushes back
+  EXPECT_EQ(at_rest(kJoints.upper[3] + 0.01), 0);
+}
+
 TEST(JointServo, NeverExceedsTheModelsTorqueLimits) {
   const ArmModel model;
-  JointServo servo({.gravity_compensation = true}, model, kSpeed, 0.001);
+  JointServo servo({.gravity_compensation = true}, model, kJoints, 0.001);
   Vec6 tau;
   for (int k = 0; k < 50; ++k) tau = servo.step(kTeleopHome + Vec6::Constant(2), kTeleopHome);
   for (int i = 0; i < 6; ++i) EXPECT_LE(std::abs(tau[i]), model.links[i].torque_limit);
@@ -86,7 +103,7 @@ TEST(JointServo, ACommandThatTurnsRoundAtFullSpeedDoesNotThrowTheJointBeyondIt) 
     JointServoConfig config;
     if (fed) config.velocity_feedforward = VelocityFeedforwardConfig{};
     const double J = config.inertia[3], speed = kSpeed[3];
-    JointServo servo(config, {}, kSpeed, Ts);
+    JointServo servo(config, {}, kJoints, Ts);
     Vec6 q_cmd = Vec6::Zero(), q = Vec6::Zero();
     double dq = 0, fastest = 0;
     servo.step(q_cmd, q);
