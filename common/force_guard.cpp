@@ -4,6 +4,7 @@ namespace farhand {
 
 Vec3 ForceGuard::step(const Vec3& F_wished, const Vec3& x) noexcept {
   const Vec3 F_wanted = F_wished.allFinite() ? F_wished : Vec3(Vec3::Zero());
+  if ((x - x_).norm() > config_.max_speed * config_.Ts) let_go();
   const Vec3 moved = ticks_ > 0 ? Vec3(x - x_) : Vec3::Zero();
   budget_.charge(F_.dot(moved));
   budget_.repay(added_.dot(moved));

@@ -14,7 +14,7 @@ struct DampedRotationConfig {
   DampedConfig tilt{.stiffness = 1, .max_damping = 0.02};
   DampedConfig twist{.stiffness = 0.2, .max_damping = 0.003};
   double max_torque = 1;  // [N m] that the hand may feel: the guard must see it
-  ForceGuardConfig guard{.store = 0.005, .reserve = 0.001, .max_damping = 0.02};
+  ForceGuardConfig guard{.store = 0.005, .reserve = 0.001, .max_damping = 0.02, .max_speed = 20};
 };
 
 class DampedRotation {

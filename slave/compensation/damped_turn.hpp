@@ -13,7 +13,7 @@ struct DampedTurnConfig {
   DampedConfig spring{.stiffness = 1, .max_damping = 0.02};
   VirtualMassConfig inertia{
       .mass = 0.002, .contact_damping = 0.05, .contact_force = 0.02, .max_speed = 6};
-  ForceGuardConfig guard{.store = 0.005, .reserve = 0.001, .max_damping = 0.02};
+  ForceGuardConfig guard{.store = 0.005, .reserve = 0.001, .max_damping = 0.02, .max_speed = 20};
   ConcealmentConfig concealment;
 };
 

@@ -40,5 +40,17 @@ TEST(GuardedPort, WhatMovedWhileLetGoIsNoWorkAndForetellsNothing) {
   EXPECT_EQ(port.told(), told);
 }
 
+// A reading that cannot be, and back: neither spent nor earned, and the force is what it was.
+TEST(GuardedPort, AStepThatNoHandMakesIsNoWork) {
+  GuardedPort port(kConfig);
+  const Vec3 F(10, 0, 0);
+  for (int k = 0; k < 5; ++k) port.step(F, Vec3(0.001 * k, 0, 0));
+  const double left = port.left(), told = port.told();
+  EXPECT_EQ(port.step(F, Vec3(-0.07, 0, 0)), F);
+  EXPECT_EQ(port.step(F, Vec3(0.004, 0, 0)), F);
+  EXPECT_EQ(port.left(), left);
+  EXPECT_EQ(port.told(), told);
+}
+
 }  // namespace
 }  // namespace farhand
