@@ -2,6 +2,10 @@
 // D, on the sender's time scale, so no common clock is needed. D is the jitter that all but a share
 // of the messages stay within, over the last seconds. It grows at once when messages come late in
 // numbers; otherwise time is stretched or squeezed by 1 %, never jumped but to where a use begins.
+// Where far more than D is waited, since the way got shorter, it is squeezed more.
+//
+// Jitter is counted from the least transit of that time. When that rises, by a longer way or a
+// clock that was set, what was late is less so; when it falls, what was late before is no jitter.
 //
 // Between messages values are interpolated, so a lost one costs nothing, and neither does one that
 // was overtaken: at 1 kHz those that overtake come early, and D is theirs. After the newest it
@@ -33,7 +37,8 @@ class PlayoutClock {
   // Of every message used; both stamps since their clocks' epochs.
   void arrived(Duration sent, Duration now) noexcept {
     base_.add(now, now - sent);
-    const double late = seconds(now - sent - base_.minimum());
+    rebase();
+    const double late = seconds(now - sent - least_);
     const auto bin = static_cast<std::size_t>(std::clamp(late / kBin, 0.0, kBins - 1.0));
     weight_ *= 1 + 0.001 / config_.memory;  // newer ones count more, as if older ones faded
     count_[bin] += weight_, total_ += weight_;
@@ -44,13 +49,14 @@ class PlayoutClock {
   // Once per tick: the sender's time to be played now. Never runs backwards.
   Duration play(Duration now) noexcept {
     if (base_.empty()) return played_;
-    const double wish = seconds(base_.minimum()) + std::min(jitter(), config_.most);
+    const double wish = seconds(least_) + std::min(jitter(), config_.most);
     if (late_score_ >= 3) offset_ = std::max(offset_, wish);
     if (late_score_ >= 3) late_score_ = 0;
     if (!settled_) offset_ = wish;
     settled_ = true;
     const double most = started_ ? config_.slew * seconds(now - last_) : 0;
-    offset_ += std::clamp(wish - offset_, -most, most);
+    const double surplus = std::max(offset_ - wish, 0.0) / config_.memory * seconds(now - last_);
+    offset_ += std::clamp(wish - offset_, -most - surplus, most);
     last_ = now;
     const Duration at = now - from_seconds(offset_);
     played_ = started_ ? std::max(played_, at) : at;
@@ -61,12 +67,23 @@ class PlayoutClock {
   // The next time to be played is what is right now, however far from the last one.
   void settle() noexcept { settled_ = false; }
   // D [s], as played.
-  double delay() const noexcept { return base_.empty() ? 0 : offset_ - seconds(base_.minimum()); }
+  double delay() const noexcept { return base_.empty() ? 0 : offset_ - seconds(least_); }
 
  private:
   static constexpr double kBin = 0.001;
   static constexpr std::size_t kBins = 256;
 
+  // least_ follows the least transit, up by whole bins.
+  void rebase() noexcept {
+    const Duration bin = from_seconds(kBin), rise = base_.minimum() - least_;
+    if (rise < Duration::zero() || total_ == 0) least_ = base_.minimum();
+    if (rise < bin || total_ == 0) return;
+    least_ += rise / bin * bin;
+    const auto bins = std::min(static_cast<std::size_t>(rise / bin), kBins - 1);
+    for (std::size_t i = 1; i <= bins; ++i) count_[0] += count_[i];
+    std::shift_left(count_.begin() + 1, count_.end(), static_cast<std::ptrdiff_t>(bins));
+    std::fill(count_.end() - static_cast<std::ptrdiff_t>(bins), count_.end(), 0.0);
+  }
   double jitter() const noexcept {
     double above = 0;
     std::size_t i = kBins;
@@ -80,6 +97,7 @@ class PlayoutClock {
 
   PlayoutConfig config_;
   RecentMinimum base_;
+  Duration least_{};  // transit that jitter is counted from
   std::array<double, kBins> count_{};
   double weight_ = 1, total_ = 0, late_score_ = 0, offset_ = 0;
   bool started_ = false, settled_ = false;
