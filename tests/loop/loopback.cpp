@@ -154,6 +154,7 @@ void Loopback::receive(Side to, std::span<const std::byte> datagram) noexcept {
     return !opened.empty() && link.receive(opened, now) == Verdict::accepted;
   };
   on_received(to, datagram, to == Side::master ? taken(*link_) : taken(*slave_->link));
+  if (to == Side::slave && !opened.empty()) push(Side::master, slave_->link->answer());
 }
 
 void Loopback::note_arrival() noexcept {

@@ -28,11 +28,10 @@ constexpr Duration kSettling = std::chrono::seconds(1);  // after engaging, unti
 Tracking::Limits limits_of(const Plan& plan) {
   constexpr double kRoom = 1.5;
   Tracking::Limits out{.tool = 1.0e-3 * kRoom};
-  if (plan.scene == "minimal") out.tool = 1.7e-3 * kRoom;  // the weight is not compensated
+  if (plan.scene == "minimal") out.tool = 1.7e-3 * kRoom;  // friction is not compensated
   const std::string& m = plan.method;
   if (m == "damped" || m == "auto") out.command = 5.7e-3 * kRoom;  // on a spring
-  if (m == "mmt") out.command = 1.2e-3 * kRoom;
-  if (m == "direct" || m == "wave") out.command = 1.0e-3 * kRoom;
+  if (m == "wave") out.command = 1.0e-3 * kRoom;
   // The longest playout, and what the reconstruction takes.
   if (m == "wave" || m == "smith") out.played_out = 280;
   out.keeps_offset = m == "wave";
@@ -106,6 +105,7 @@ class Episode {
   Random random_;
   std::array<std::optional<KeyedChannel>, 2> channels_;
   std::optional<SecondMaster> second_master_;
+  bool restarting_ = false;  // the master that was taken over from
   std::uint64_t sessions_ = 2;
   std::optional<Recorded> recorded_;
 
@@ -217,16 +217,12 @@ void Episode::begin(const Fault& f) {
   active_.push_back(&f);
 }
 
-// A master that was taken over from has ended: its operator starts it again. One that was not gets
-// in by itself.
 void Episode::end(const Fault& f) {
   if (std::erase(active_, &f) == 0) return;
   note("over: " + to_string(f));
   loop_.unplug(Side::master, active(FaultKind::device_loss) != nullptr);
   loop_.unplug(Side::slave, active(FaultKind::robot_loss) != nullptr);
-  if (f.kind != FaultKind::second_master) return;
-  second_master_.reset();
-  if (loop_.master_end().taken_over()) start_process(Side::master, kTick);
+  if (f.kind == FaultKind::second_master) second_master_.reset();
 }
 
 EpisodeResult Episode::run() {
@@ -256,8 +252,12 @@ EpisodeResult Episode::run() {
   return std::move(result_);
 }
 
-// What others do, once in a while.
+// What others do, once in a while. A master that was taken over from ends, when it hears of it: its
+// operator starts it again once the other is gone. One that was not gets in by itself.
 void Episode::act() {
+  const bool ended = loop_.master_end().taken_over() && !second_master_;
+  if (ended && !restarting_) start_process(Side::master, kTick);
+  restarting_ = ended;
   if (plan_.secure) handshake(Side::master);
   if (plan_.secure) handshake(Side::slave);
   if (second_master_) second_master_->tick(loop_);

@@ -28,6 +28,22 @@ Vec3 IdealServo::step(const Vec3& r) noexcept {
   return x;
 }
 
+namespace {
+
+// How long the newest message's velocity leads on while no newer one comes [s].
+double reckoned(const SlaveConfig& c, Duration age) {
+  if (!c.compensated) return 0;
+  return std::visit(
+      [&](const auto& method) -> double {
+        if constexpr (requires { method.concealment; }) return path(method.concealment, age);
+        if constexpr (requires { method.mediated; }) return path(method.mediated.concealment, age);
+        return 0;
+      },
+      *c.compensated);
+}
+
+}  // namespace
+
 Tracking::Tracking(const Loopback& loop, Checkers& checkers, const Limits& limits,
                    const std::optional<Wall>& wall) noexcept
     : loop_(loop),
@@ -35,6 +51,7 @@ Tracking::Tracking(const Loopback& loop, Checkers& checkers, const Limits& limit
       limits_(limits),
       at_limit_(loop),
       ideal_(loop.slave()->config().servo, loop.slave()->config().Ts),
+      dynamics_(make_arm_dynamics(loop.slave()->config().model)),
       wall_(wall) {}
 
 void Tracking::sampling() noexcept {
@@ -49,14 +66,18 @@ void Tracking::check(const SlaveTick& t, bool judged) {
   const bool touches = !truth.F_E_S.force.isZero();
   wound_ *= 1 - c.Ts * c.servo.integral_per_s;
   if (touches) wound_ = std::max(wound_, wind_up(t, truth.F_E_S));
+  weigh(t, truth.q);
   if (!t.coupled) {
     coupled_ = false;
     at_limit_.reset();
     return;
   }
+  const MasterToSlave& newest = loop_.slave_end()->newest()->message;
+  const Vec3 led_on = reckoned(c, t.age) * newest.V_MH.linear;
   Places at{.p_cmd = forward(c.arm, t.q_cmd).p,
             .p_SE = truth.X_SE.p,
-            .asked = wanted_tool(*loop_.slave(), loop_.slave_end()->newest()->message.p_MH)};
+            .asked = wanted_tool(*loop_.slave(), newest.p_MH + led_on),
+            .led_on = c.workspace.scale * led_on.norm()};
   if (!coupled_) start(at);
   at.p_ideal = ideal_.step(at.p_cmd);
   if (!asked_.empty()) asked_[next_++ % asked_.size()] = at.asked;
@@ -110,26 +131,41 @@ void Tracking::judge(const Places& at) {
     room += offset_->slack;
   }
   const double scale = slave.config().workspace.scale;
+  const double most = limits_.tool + wound_ + sagged_;
   const double moved = (p_MH_now - given_[newest.sequence % given_.size()]).norm();
   const double command = (asked - at.p_cmd).norm(), tool = (at.p_ideal - at.p_SE).norm();
   const double lag = (wanted - at.p_SE).norm();
-  const double explained = scale * (limits_.handle + moved) + room +
-                           (at.p_ideal - at.p_cmd).norm() + limits_.tool + wound_;
+  const double explained =
+      scale * (limits_.handle + moved) + room + at.led_on + (at.p_ideal - at.p_cmd).norm() + most;
   lag_.add(lag);
   command_.add(std::max(command - (room - limits_.command), 0.0));
-  tool_.add(std::max(tool - wound_, 0.0));
+  tool_.add(std::max(tool - wound_ - sagged_, 0.0));
   checkers_.expect(command <= room, "the command is off what is asked for [m]", command, room);
-  checkers_.expect(tool <= limits_.tool + wound_, "the tool is off where its servo drives it [m]",
-                   tool, limits_.tool + wound_);
+  checkers_.expect(tool <= most, "the tool is off where its servo drives it [m]", tool, most);
   checkers_.expect(lag <= explained, "the tool lags more than delay and servo explain [m]", lag,
                    explained);
 }
 
-double Tracking::wind_up(const SlaveTick& t, const Wrench& F_E_S) const noexcept {
+// A servo that was started anew carries nothing yet.
+void Tracking::weigh(const SlaveTick& t, const Vec6& q) noexcept {
   const SlaveConfig& c = loop_.slave()->config();
-  const ArmJacobian J = kinematics(c.arm, t.q_cmd).J;
-  Vec6 off = joint_torques(J, F_E_S);
-  for (int i = 0; i < 6; ++i) off[i] /= joint_gains(c.servo, c.servo.inertia[i], 1).kp;
+  if (c.servo.gravity_compensation) return;
+  if (t.robot.ok && t.q_cmd == t.robot.q) carried_.setZero();
+  const Vec6 lacking = gravity_torques(dynamics_, q) - carried_;
+  carried_ += c.Ts * c.servo.integral_per_s * lacking;
+  sagged_ = displaced(kinematics(c.arm, t.q_cmd).J, lacking);
+}
+
+double Tracking::wind_up(const SlaveTick& t, const Wrench& F_E_S) const noexcept {
+  const ArmJacobian J = kinematics(loop_.slave()->config().arm, t.q_cmd).J;
+  return displaced(J, joint_torques(J, F_E_S));
+}
+
+// The tool, by joint torques against the servos' stiffness [m].
+double Tracking::displaced(const ArmJacobian& J, const Vec6& tau) const noexcept {
+  const JointServoConfig& servo = loop_.slave()->config().servo;
+  Vec6 off = tau;
+  for (int i = 0; i < 6; ++i) off[i] /= joint_gains(servo, servo.inertia[i], 1).kp;
   return (J.linear * off).norm();
 }
 

@@ -2,13 +2,14 @@
 // where nothing holds the robot back: it has touched nothing for kRecovery, and the slave reports
 // no limit and has had time to recover from those before.
 //
-// The command is where the newest message asks it to be: exactly, or with a compensation within the
-// lag of its spring. The tool is where the command drives an ideal servo. All joints have the same
-// gains but for their inertia, and so the same error transfer function (servo_error): the tool
-// follows its path as a joint follows its angle, and one servo in three axes tells how. What a
-// contact wound up in the joints' integrals, J diag(1/kp) J^T F at the tool, unwinds with their
-// time constant and is allowed on top. From the hand to the tool all that adds up, with what the
-// hand has moved since it gave the newest order.
+// The command is where the newest message asks it to be, and in a gap where its velocity leads
+// (common/concealment.hpp): exactly, or with a compensation within the lag of its spring. The tool
+// is where the command drives an ideal servo. All joints have the same gains but for their inertia,
+// and so the same error transfer function (servo_error): the tool follows its path as a joint
+// follows its angle, and one servo in three axes tells how. What a contact wound up in the joints'
+// integrals, J diag(1/kp) J^T F at the tool, unwinds with their time constant and is allowed on
+// top. From the hand to the tool all that adds up, with what the hand has moved since it gave the
+// newest order.
 //
 // Where the slave reports a limit there must be one (tests/sim/at_limit.hpp): so nothing can hide
 // behind it.
@@ -80,22 +81,28 @@ class Tracking {
  private:
   struct Places {
     Vec3 p_cmd, p_ideal, p_SE;
-    Vec3 asked;  // by the newest message
+    Vec3 asked;         // by the newest message, and where it leads on to in a gap,
+    double led_on = 0;  // by so much [m]
   };
   void start(const Places& at) noexcept;
   void judge(const Places& at);
   bool clear(const Places& at) const noexcept;
   double moved_lately() const noexcept;
+  void weigh(const SlaveTick& tick, const Vec6& q) noexcept;
   double wind_up(const SlaveTick& tick, const Wrench& F_E_S) const noexcept;
+  double displaced(const ArmJacobian& J, const Vec6& tau) const noexcept;
 
   const Loopback& loop_;
   Checkers& checkers_;
   Limits limits_;
   AtLimit at_limit_;
   IdealServo ideal_;
+  ArmDynamics dynamics_;
   bool coupled_ = false;
-  int touched_ = 0, held_ = 0;  // [ticks] until it has recovered from contact, from limits
-  double wound_ = 0;            // [m]
+  int touched_ = 0, held_ = 0;   // [ticks] until it has recovered from contact, from limits
+  double wound_ = 0;             // [m]
+  Vec6 carried_ = Vec6::Zero();  // of the weight, by integrals [N m], where nothing else carries it
+  double sagged_ = 0;            // by what they do not [m]
   std::optional<Wall> wall_;
   int clear_ = 0;  // [ticks] of the wall
   // Where the command is kept off from what is asked for, and what was to be played out then.
