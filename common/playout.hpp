@@ -16,6 +16,7 @@
 #include <array>
 #include <cstddef>
 
+#include "common/recent_histogram.hpp"
 #include "common/recent_minimum.hpp"
 #include "common/time.hpp"
 
@@ -32,24 +33,24 @@ struct PlayoutConfig {
 class PlayoutClock {
  public:
   explicit PlayoutClock(const PlayoutConfig& config) noexcept
-      : config_(config), base_(from_seconds(config.memory)) {}
+      : config_(config),
+        base_(from_seconds(config.memory)),
+        lateness_(from_seconds(config.memory)) {}
 
   // Of every message used; both stamps since their clocks' epochs.
   void arrived(Duration sent, Duration now) noexcept {
     base_.add(now, now - sent);
     rebase();
     const double late = seconds(now - sent - least_);
-    const auto bin = static_cast<std::size_t>(std::clamp(late / kBin, 0.0, kBins - 1.0));
-    weight_ *= 1 + 0.001 / config_.memory;  // newer ones count more, as if older ones faded
-    count_[bin] += weight_, total_ += weight_;
-    if (weight_ > 1e9) fade();
+    lateness_.add(now, static_cast<std::size_t>(std::max(late / kBin, 0.0)));
     late_score_ += (started_ && sent < played_ ? 1.0 : 0.0) - late_score_ / 100;
   }
 
   // Once per tick: the sender's time to be played now. Never runs backwards.
   Duration play(Duration now) noexcept {
     if (base_.empty()) return played_;
-    const double wish = seconds(least_) + std::min(jitter(), config_.most);
+    const double jitter = kBin * static_cast<double>(lateness_.most(config_.late_share));
+    const double wish = seconds(least_) + std::min(jitter, config_.most);
     if (late_score_ >= 3) offset_ = std::max(offset_, wish);
     if (late_score_ >= 3) late_score_ = 0;
     if (!settled_) offset_ = wish;
@@ -71,35 +72,21 @@ class PlayoutClock {
 
  private:
   static constexpr double kBin = 0.001;
-  static constexpr std::size_t kBins = 256;
 
   // least_ follows the least transit, up by whole bins.
   void rebase() noexcept {
     const Duration bin = from_seconds(kBin), rise = base_.minimum() - least_;
-    if (rise < Duration::zero() || total_ == 0) least_ = base_.minimum();
-    if (rise < bin || total_ == 0) return;
+    if (rise < Duration::zero() || lateness_.empty()) least_ = base_.minimum();
+    if (rise < bin || lateness_.empty()) return;
     least_ += rise / bin * bin;
-    const auto bins = std::min(static_cast<std::size_t>(rise / bin), kBins - 1);
-    for (std::size_t i = 1; i <= bins; ++i) count_[0] += count_[i];
-    std::shift_left(count_.begin() + 1, count_.end(), static_cast<std::ptrdiff_t>(bins));
-    std::fill(count_.end() - static_cast<std::ptrdiff_t>(bins), count_.end(), 0.0);
-  }
-  double jitter() const noexcept {
-    double above = 0;
-    std::size_t i = kBins;
-    while (i > 1 && above + count_[i - 1] <= config_.late_share * total_) above += count_[--i];
-    return kBin * static_cast<double>(i);
-  }
-  void fade() noexcept {
-    for (double& c : count_) c /= weight_;
-    total_ /= weight_, weight_ = 1;
+    lateness_.lower(static_cast<std::size_t>(rise / bin));
   }
 
   PlayoutConfig config_;
   RecentMinimum base_;
   Duration least_{};  // transit that jitter is counted from
-  std::array<double, kBins> count_{};
-  double weight_ = 1, total_ = 0, late_score_ = 0, offset_ = 0;
+  RecentHistogram lateness_;
+  double late_score_ = 0, offset_ = 0;
   bool started_ = false, settled_ = false;
   Duration last_{}, played_{};
 };

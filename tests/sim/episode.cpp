@@ -31,9 +31,11 @@ Tracking::Limits limits_of(const Plan& plan) {
   if (plan.scene == "minimal") out.tool = 1.7e-3 * kRoom;  // friction is not compensated
   const std::string& m = plan.method;
   if (m == "damped" || m == "auto") out.command = 5.7e-3 * kRoom;  // on a spring
-  if (m == "wave") out.command = 1.0e-3 * kRoom;
+  // By a guard that held it off, or a wave that comes back.
+  if (m == "direct" || m == "wave") out.command = 1.0e-3 * kRoom;
   // The longest playout, and what the reconstruction takes.
   if (m == "wave" || m == "smith") out.played_out = 280;
+  if (m == "wave") out.played_out *= 3;  // it goes back, and comes again
   out.keeps_offset = m == "wave";
   return out;
 }

@@ -21,7 +21,11 @@ class Watch {
   void check(const SlaveTick& tick);
   void received(bool forged, bool accepted);
   void restarted(Side side, std::uint64_t session);
-  void clock_stepped() { clock_stepped_ = loop_.now(); }
+  // The link forgets how fast the way was.
+  void clock_stepped() {
+    clock_stepped_ = loop_.now();
+    fastest_ = {};
+  }
 
   Duration oldest_command() const noexcept { return oldest_command_; }
 
