@@ -31,8 +31,9 @@ Tracking::Limits limits_of(const Plan& plan) {
   if (plan.scene == "minimal") out.tool = 1.7e-3 * kRoom;  // friction is not compensated
   const std::string& m = plan.method;
   if (m == "damped" || m == "auto") out.command = 5.7e-3 * kRoom;  // on a spring
-  // By a guard that held it off, or a wave that comes back.
-  if (m == "direct" || m == "wave") out.command = 1.0e-3 * kRoom;
+  // Where a guard has run dry the sensor's noise alone holds the command off.
+  if (m == "direct") out.command = 1.4e-3 * kRoom;
+  if (m == "wave") out.command = 1.0e-3 * kRoom;
   // The longest playout, and what the reconstruction takes.
   if (m == "wave" || m == "smith") out.played_out = 280;
   if (m == "wave") out.played_out *= 3;  // it goes back, and comes again

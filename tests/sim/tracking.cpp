@@ -90,10 +90,21 @@ void Tracking::check(const SlaveTick& t, bool judged) {
                    static_cast<double>(t.limits), 0);
   const bool limited = held || held_ > 0;
   if (!judged || limited || touched_ > 0) offset_.reset();
+  drift(at, limited || touches);
   if (!judged) return;
   limited_ += limited;
   free_ += clear_ > kFree;
   if (!limited && touched_ == 0) judge(at);
+}
+
+// The guard of direct feedback holds the command off in contact, and lets it drift back.
+void Tracking::drift(const Places& at, bool held) noexcept {
+  const auto& method = loop_.slave()->config().compensated;
+  const auto* direct = method ? std::get_if<DirectTargetConfig>(&*method) : nullptr;
+  if (direct == nullptr) return;
+  const VelocityGuardConfig& guard = direct->translation;
+  const double speed = std::min(held_off_ / guard.drift_time, guard.drift_speed);
+  held_off_ = held ? (at.asked - at.p_cmd).norm() : held_off_ - guard.Ts * speed;
 }
 
 void Tracking::start(const Places& at) noexcept {
@@ -124,7 +135,7 @@ void Tracking::judge(const Places& at) {
   const auto& newest = *loop_.slave_end()->newest();
   const Vec3 p_MH_now = true_handle(loop_.device(), newest.message.p_MH);
   Vec3 asked = at.asked, wanted = wanted_tool(slave, p_MH_now);
-  double room = limits_.command + moved_lately();
+  double room = limits_.command + held_off_ + moved_lately();
   if (limits_.keeps_offset) {
     if (!offset_) offset_ = {at.p_cmd - asked, room};
     asked += offset_->by, wanted += offset_->by;

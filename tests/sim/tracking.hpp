@@ -88,6 +88,7 @@ class Tracking {
   void judge(const Places& at);
   bool clear(const Places& at) const noexcept;
   double moved_lately() const noexcept;
+  void drift(const Places& at, bool held) noexcept;
   void weigh(const SlaveTick& tick, const Vec6& q) noexcept;
   double wind_up(const SlaveTick& tick, const Wrench& F_E_S) const noexcept;
   double displaced(const ArmJacobian& J, const Vec6& tau) const noexcept;
@@ -98,6 +99,7 @@ class Tracking {
   AtLimit at_limit_;
   IdealServo ideal_;
   ArmDynamics dynamics_;
+  double held_off_ = 0;  // the command, by a guard that lets it come back slowly [m]
   bool coupled_ = false;
   int touched_ = 0, held_ = 0;   // [ticks] until it has recovered from contact, from limits
   double wound_ = 0;             // [m]
