@@ -119,6 +119,7 @@ TEST(SceneSchema, EveryNumberHasARangeAUnitAndALegalDefault) {
                                            "normal_in_slave",
                                            "towards",
                                            "direction",
+                                           "up_in_master",
                                            "wrist_margin",
                                            "elbow_margin",
                                            "user_force_share",
