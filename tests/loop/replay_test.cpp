@@ -68,7 +68,8 @@ Scene coupled_scene(bool contact) {
 }
 
 TEST(Replay, SameReadingsGiveTheSameBits) {
-  for (const char* name : {"full", "falcon_arm", "twin_delta_contact", "falcon_f1"}) {
+  for (const char* name :
+       {"full", "falcon_arm", "falcon_ahrs", "twin_delta_contact", "falcon_f1"}) {
     SCOPED_TRACE(name);
     const TemporaryFile first("", ".mcap"), second("", ".mcap");
     const Scene scene = shipped(name);
