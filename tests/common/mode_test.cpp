@@ -185,8 +185,9 @@ TEST(Mode, AFaultIsLeftOnlyByResetWithTheEquipmentWell) {
         ASSERT_EQ(to.reason, s.reason);
         continue;
       }
-      ASSERT_TRUE(in.stop || (in.reset && (in.equipment == Equipment::ok ||
-                                           in.equipment == Equipment::outside)));
+      const bool reads =
+          in.equipment != Equipment::silent && in.equipment != Equipment::implausible;
+      ASSERT_TRUE(in.stop || (in.reset && reads));
     }
   }
 }
@@ -247,6 +248,20 @@ TEST(Mode, StartingUpIsNoFault) {
                   kNow + milliseconds(k));
   EXPECT_EQ(s.mode, Mode::aligning);
   EXPECT_EQ(s.reason, Reason::silent);
+}
+
+TEST(Mode, AnOrientationNotYetKnownWaitsAndIsNoFault) {
+  ModeState s;
+  ModeInputs in{.equipment = Equipment::unoriented,
+                .connected = true,
+                .synced = true,
+                .fresh = true,
+                .partner = Partner::able};
+  for (int k = 0; k < 1000; ++k) s = next_mode(s, in, kNow + milliseconds(k));
+  EXPECT_EQ(s.mode, Mode::aligning);
+  EXPECT_EQ(s.reason, Reason::no_attitude);
+  in.equipment = Equipment::ok;
+  EXPECT_EQ(next_mode(s, in, kNow + milliseconds(1000)).mode, Mode::ready);
 }
 
 TEST(Mode, EveryReasonHasItsSentence) {

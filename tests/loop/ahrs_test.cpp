@@ -32,8 +32,10 @@ struct ToolErrors {
   double turned = 0;         // [rad] the grip at most
 };
 
-ToolErrors tool_errors(std::uint64_t seed) {
-  Loopback loop(shipped("falcon_ahrs"), {.seed = seed});
+ToolErrors tool_errors(std::uint64_t seed, double rate_hz = 200) {
+  Scene scene = shipped("falcon_ahrs");
+  scene.proto.mutable_master()->mutable_ahrs()->set_rate_hz(rate_hz);
+  Loopback loop(scene, {.seed = seed});
   Checkers checkers(loop);
   ToolErrors out;
   loop.on_master = [&](const MasterTick& t) { checkers.check(t); };
@@ -64,6 +66,15 @@ TEST(AhrsScene, TheToolTurnsAsTheGripWithinADegreeBeyondItsServo) {
     EXPECT_GT(e.turned * kDegrees, 15);
     EXPECT_LE(e.command.value() * kDegrees, 1);
     EXPECT_LE(e.tool.value(), e.servo.value() + 1 / kDegrees);
+  }
+}
+
+TEST(AhrsScene, TheSlowestAndTheFastestSensorThatAreMeantDoAsWell) {
+  for (const double rate : {50.0, 400.0}) {
+    const ToolErrors e = tool_errors(5, rate);
+    std::printf("falcon_ahrs at %.0f Hz: command %.2f deg off the grip, rms\n", rate,
+                e.command.value() * kDegrees);
+    EXPECT_LE(e.command.value() * kDegrees, 1) << rate;
   }
 }
 
