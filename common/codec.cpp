@@ -20,7 +20,7 @@ static_assert(static_cast<int>(Mode::disconnected) == proto::MODE_DISCONNECTED &
               static_cast<int>(Mode::stopped) == proto::Mode_MAX &&
               proto::Mode_ARRAYSIZE == kModes);
 static_assert(static_cast<int>(Reason::silent) == proto::REASON_SILENT &&
-              static_cast<int>(Reason::stop_asked) == proto::Reason_MAX &&
+              static_cast<int>(Reason::no_attitude) == proto::Reason_MAX &&
               proto::Reason_ARRAYSIZE == kReasons);
 static_assert(static_cast<int>(Method::damped) == proto::METHOD_DAMPED &&
               static_cast<int>(Method::mmt) == proto::Method_MAX &&

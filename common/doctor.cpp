@@ -67,6 +67,7 @@ int run(const std::string& side, const ProgramOptions& options) {
   std::optional<Scene> scene;
   Findings findings{scene_file(options.scene, scene)};
   if (scene) add(findings, link(side, options, *scene));
+  if (scene) add(findings, serial_line(side, scene->proto));
   const proto::Scene words = scene ? scene->proto : proto::Scene();
   add(findings, examine(words, realtime_config(side == "master" ? words.master().realtime()
                                                                 : words.slave().realtime())));

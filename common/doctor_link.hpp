@@ -1,4 +1,5 @@
-// The doctor on the scene, its link's addresses, and its key or certificates.
+// The doctor on the scene, its link's addresses, its key or certificates, and a sensor's serial
+// line.
 #pragma once
 
 #include <cstddef>
@@ -22,5 +23,8 @@ Finding receive_buffer(std::size_t bytes, const proto::Scene& scene);
 
 // Its key or certificates, as the client (a master) or the server needs them.
 Finding credentials(const Scene& scene, DtlsRole role);
+
+// The serial line of the master's AHRS, which is not opened; none without one, or on the slave.
+Findings serial_line(const std::string& side, const proto::Scene& scene);
 
 }  // namespace farhand::doctor

@@ -9,7 +9,7 @@ bool in_range(Mode m) noexcept {
   return m <= Mode::stopped;
 }
 bool in_range(Reason r) noexcept {
-  return r <= Reason::stop_asked;
+  return r <= Reason::no_attitude;
 }
 bool in_range(Method m) noexcept {
   return m <= Method::mmt;

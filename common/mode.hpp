@@ -51,13 +51,15 @@ enum class Reason : std::uint8_t {
   outside,
   dead_man_held,
   turn_handle,
-  stop_asked
+  stop_asked,
+  no_attitude
 };
-inline constexpr std::size_t kReasons = 13;
+inline constexpr std::size_t kReasons = 14;
 
 // Of the device or the robot: reads, and its kinematics answer; has no answer where it stands
-// (never a fault: it is moved back); does not read; reads what cannot be.
-enum class Equipment : std::uint8_t { ok, outside, silent, implausible };
+// (never a fault: it is moved back); does not read; reads what cannot be; how it is turned is not
+// known yet (never a fault: its AHRS is starting).
+enum class Equipment : std::uint8_t { ok, outside, silent, implausible, unoriented };
 
 // As its newest message says.
 enum class Partner : std::uint8_t { able, not_ready, fault, stopped };
@@ -107,6 +109,7 @@ constexpr bool fails(Equipment e) noexcept {
 
 constexpr Reason reason(Equipment e) noexcept {
   if (e == Equipment::outside) return Reason::outside;
+  if (e == Equipment::unoriented) return Reason::no_attitude;
   return e == Equipment::implausible ? Reason::implausible : Reason::silent;
 }
 
@@ -222,7 +225,9 @@ constexpr const char* to_string(Reason reason) noexcept {
       "outside of its workspace: move it back",
       "release the dead-man",
       "turn the handle to the robot's orientation",
-      "stopped"};
+      "stopped",
+      "waiting a second for the attitude sensor on the grip; if it lasts, check its cable and "
+      "settings"};
   return kSentences[static_cast<int>(reason)];
 }
 

@@ -15,7 +15,8 @@ static_assert(static_cast<int>(Method::mmt) == record::METHOD_MMT &&
 static_assert(static_cast<int>(Mode::stopped) == record::MODE_STOPPED &&
               static_cast<int>(Mode::holding) == record::MODE_HOLDING &&
               static_cast<int>(Reason::silent) == record::REASON_SILENT &&
-              static_cast<int>(Reason::stop_asked) == record::REASON_STOP_ASKED);
+              static_cast<int>(Reason::no_attitude) == record::REASON_NO_ATTITUDE &&
+              record::Reason_ARRAYSIZE == kReasons);
 
 inline float microseconds(Duration d) noexcept {
   return plotted<12>(static_cast<double>(d.count()) * 1e-3);

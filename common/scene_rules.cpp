@@ -59,6 +59,7 @@ std::optional<SceneFault> ask_all(const SceneRules& rules, const Scene& scene, c
 std::optional<SceneFault> check_rules(const Scene& scene) {
   SceneRules rules;
   add_master_rules(rules);
+  add_ahrs_rules(rules);
   add_slave_rules(rules);
   add_bilateral_rules(rules);
   add_compensation_rules(rules);

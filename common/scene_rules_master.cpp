@@ -104,7 +104,6 @@ void guidance_rules(Rules& r) {
   rule<proto::FixtureAxis>(
       r, "direction", [](const proto::FixtureAxis& a) { return norm(a.direction()) < 1e-6; },
       "has no length", "give the direction of the line, such as [1, 0, 0]");
-  not_on_falcon<proto::Workspace>(r, {"rotation_lock", "alignment_deg"});
   using B = proto::Boundary;
   not_on_falcon<B>(r, {"max_torque_newton_meter", "max_torque_rate_newton_meter_per_s"});
 }
@@ -288,8 +287,6 @@ void motion_rules(Rules& r) {
   rule<M>(
       r, "trace", [](const M& m) { return m.has_trace() && m.sine_size() + m.reach_size() > 0; },
       "cannot be combined with sine or reach", "keep the trace or the others");
-  not_on_falcon<M>(r, {"max_turn_rate_deg_per_s"});
-  not_on_falcon<proto::Trace>(r, {"rotation_scale", "max_tilt_deg"});
   each<M>(
       r, "sine",
       [](const M& m, int i) {
@@ -330,13 +327,11 @@ void motion_rules(Rules& r) {
   rule<S>(
       r, "", [](const S& s) { return s.amplitude_m_size() + s.amplitude_deg_size() == 0; },
       "moves nothing", "add amplitude_m: [x, y, z] or amplitude_deg: [x, y, twist]");
-  not_on_falcon<S>(r, {"amplitude_deg"});
   below_half_the_rate<S>(r, "frequency_hz");
   using R = proto::Reach;
   rule<R>(
       r, "", [](const R& m) { return m.by_m_size() + m.turn_deg_size() == 0; }, "moves nothing",
       "add by_m: [x, y, z] or turn_deg: [x, y, twist]");
-  not_on_falcon<R>(r, {"turn_deg"});
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct Unit {
   std::string_view suffix;
   std::string_view text;
 };
-constexpr std::array<Unit, 26> kUnits = {{{"newton_per_m_s", "N/(m s)"},
+constexpr std::array<Unit, 28> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"newton_s_per_m", "N s/m"},
                                           {"newton_per_m", "N/m"},
                                           {"newton_meter_per_s", "N m/s"},
@@ -33,6 +33,8 @@ constexpr std::array<Unit, 26> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"kg_m2", "kg m^2"},
                                           {"kg", "kg"},
                                           {"m_per_s", "m/s"},
+                                          {"m_per_s2", "m/s^2"},
+                                          {"microtesla", "uT"},
                                           {"deg_per_s", "deg/s"},
                                           {"rad_per_s", "rad/s"},
                                           {"ms_per_s", "ms/s"},

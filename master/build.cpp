@@ -7,6 +7,7 @@
 #include "common/scene_bilateral.hpp"
 #include "common/scene_realtime.hpp"
 #include "common/scene_values.hpp"
+#include "master/build_ahrs.hpp"
 #include "master/build_compensation.hpp"
 #include "master/build_falcon.hpp"
 #include "master/build_force.hpp"
@@ -121,6 +122,7 @@ MasterConfig master_config(const proto::Scene& scene) {
     c.handle = FalconHandle{.geometry = falcon_geometry(m.falcon())};
   else
     c.handle = TwinDeltaHandle{.geometry = twin_delta(m.twin_delta())};
+  if (m.has_ahrs()) c.grip_motion = grip_motion_config(m.ahrs(), c.Ts);
   if (m.has_force_sensing())
     c.force_sensing = {.bias = end_forces(m.force_sensing().bias_newton()),
                        .grip_mass = m.force_sensing().grip_mass_kg()};
@@ -171,7 +173,9 @@ std::vector<std::string> master_stages(const proto::Scene& scene) {
                             m.has_falcon_usb() ? "falcon_usb" : "sim_hand", scene.rate_hz(),
                             m.falcon_usb().has_calibration() ? ", calibrated as " : "",
                             m.falcon_usb().calibration()));
-  out.push_back(fmt::format("handle            {}: forward kinematics, velocity", handle));
+  out.push_back(fmt::format("handle            {}: forward kinematics{}", handle,
+                            m.has_ahrs() ? "" : ", velocity"));
+  if (m.has_ahrs()) out.push_back(ahrs_stage(m.ahrs()));
   if (m.has_force_sensing())
     out.push_back(
         fmt::format("force_sensing     user's wrench from both ends, bias and {:g} kg removed",

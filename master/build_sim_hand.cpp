@@ -1,6 +1,7 @@
 #include "master/build_sim_hand.hpp"
 
 #include "common/scene_values.hpp"
+#include "master/build_ahrs.hpp"
 #include "master/build_values.hpp"
 
 namespace farhand {
@@ -103,6 +104,8 @@ SimHandConfig sim_hand_config(const Scene& scene, const std::optional<std::strin
   c.grip_mass = h.grip_mass_kg();
   c.motor_gain = h.motor_gain();
   c.rate = h.rate_hz();
+  const proto::Ahrs& ahrs = scene.proto.master().ahrs();
+  if (ahrs.has_simulated()) c.ahrs = sim_ahrs_config(ahrs);
   return c;
 }
 

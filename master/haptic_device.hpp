@@ -9,6 +9,7 @@
 //     inside the device.
 //   - A button it does not have reads as released, a force sensor it does not have as has_force
 //     false.
+//   - Of an AHRS on its grip at most one sample comes with a reading, in order.
 //   - write() holds the torques until the next write. It does not limit them for the user's safety
 //     (the caller did), only to what its motors can give, scaling the whole vector.
 #pragma once
@@ -17,6 +18,7 @@
 
 #include "common/geometry.hpp"
 #include "common/time.hpp"
+#include "master/ahrs/sample.hpp"
 #include "master/twin_delta.hpp"
 
 namespace farhand {
@@ -30,6 +32,7 @@ struct HandleReading {
   // As the sensors at the two ends of a twin delta's grip read them: user on handle, each sensor's
   // bias and the grip's weight included.
   EndForces ends{};
+  std::optional<AhrsSample> ahrs{};  // of an AHRS on the grip, if one came
 };
 
 template <typename Device>

@@ -8,13 +8,14 @@
 namespace farhand {
 
 MasterLoop::MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device,
-                       MasterLink* link, UdpSocket* socket,
+                       MasterLink* link, UdpSocket* socket, AhrsLine* ahrs,
                        Recorder<MasterRecord>& recorder) noexcept
     : config_(config),
       master_(master),
       device_(device),
       link_(link),
       socket_(socket),
+      ahrs_(ahrs),
       recorder_(recorder) {
   if (link != nullptr && link->secure() != nullptr) prepare_dtls_thread();
 }
@@ -55,6 +56,7 @@ void MasterLoop::turn() noexcept {
   timing.woken_late = begin - next_;
 
   HandleReading reading = read(device_, begin);
+  if (ahrs_ != nullptr) reading.ahrs = ahrs_->next();
   const TimePoint sampled = monotonic_now();
   const MasterToSlave& message = master_.sample(begin, reading, slave(begin));
   const TimePoint sent = monotonic_now();

@@ -9,6 +9,7 @@
 #include "common/realtime.hpp"
 #include "common/recorder.hpp"
 #include "common/udp.hpp"
+#include "master/ahrs/ahrs_line.hpp"
 #include "master/devices.hpp"
 #include "master/master.hpp"
 
@@ -32,9 +33,9 @@ struct MasterLoopConfig {
 class MasterLoop {
  public:
   // To be made on the thread that turns it. Everything is borrowed and must outlive the loop;
-  // socket and link are nullptr for a scene without a slave.
+  // socket and link are nullptr for a scene without a slave, ahrs for one without a serial AHRS.
   MasterLoop(const MasterLoopConfig& config, Master& master, AnyDevice& device, MasterLink* link,
-             UdpSocket* socket, Recorder<MasterRecord>& recorder) noexcept;
+             UdpSocket* socket, AhrsLine* ahrs, Recorder<MasterRecord>& recorder) noexcept;
 
   // Turns until a stop is requested, `limit` has passed or another master took over; then parks the
   // grip if asked to, lets the force fade, tells the slave, and leaves the motors at zero torque.
@@ -60,6 +61,7 @@ class MasterLoop {
   AnyDevice& device_;
   MasterLink* link_;
   UdpSocket* socket_;
+  AhrsLine* ahrs_;
   Recorder<MasterRecord>& recorder_;
   OverrunSplit split_;
   TimePoint next_{};

@@ -7,6 +7,7 @@
 #include "common/program.hpp"
 #include "common/scene_network.hpp"
 #include "master/build.hpp"
+#include "master/build_ahrs.hpp"
 #include "master/record.hpp"
 #include "master/status.hpp"
 
@@ -22,6 +23,8 @@ int main(int argc, char** argv) {
 
         Master master(master_config(scene.proto));
         AnyDevice device = make_device(scene, options.trace, scene.proto.seed());
+        std::optional<AhrsLine> ahrs;
+        open_ahrs(scene.proto, ahrs);
         const MasterLoopConfig loop = master_loop_config(scene.proto);
         std::optional<MasterLink> link;
         std::optional<UdpSocket> socket;
@@ -59,7 +62,7 @@ int main(int argc, char** argv) {
           status.advise("calibrated as " + calibration);
         start_realtime(realtime, is_real(device), kLoopPriority);
         MasterLoop(loop, master, device, link ? &*link : nullptr, socket ? &*socket : nullptr,
-                   recorder)
+                   ahrs ? &*ahrs : nullptr, recorder)
             .run(options.limit());
         recorder.stop();
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);

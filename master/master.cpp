@@ -10,6 +10,7 @@ bool wants_force(const MasterConfig& config) noexcept {
 
 Master::Master(const MasterConfig& config)
     : config_(config), handle_(config.handle), velocity_(config.velocity_cutoff_hz, config.Ts) {
+  if (config.grip_motion) grip_motion_.emplace(*config.grip_motion);
   if (config.force_sensing) force_sensing_.emplace(*config.force_sensing);
   if (config.force_feedback) force_.emplace(config.force_feedback->controller, config.Ts);
   if (config.compensated) compensated_.emplace(*config.compensated);
@@ -19,6 +20,7 @@ Master::Master(const MasterConfig& config)
   tick_.out.force_wanted = wants_force(config);
   tick_.user_estimated = force_ && force_->user_estimate() != nullptr;
   tick_.position_controlled = position_.has_value();
+  tick_.has_ahrs = grip_motion_.has_value();
 }
 
 const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
@@ -27,13 +29,16 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   tick_.reading = reading;
   tick_.limits = kLimitNone;
   if (reading.ok) place_handle();
+  if (grip_motion_)
+    move_grip();
+  else
+    tick_.out.V_MH = velocity_.step(tick_.handle.X_MH);
   decide_mode(slave);
   if (maps_forces_) sense_force();
   count_presses();
   MasterToSlave& out = tick_.out;
   out.p_MH = tick_.handle.X_MH.p;
   out.q_MH = to_quat(tick_.handle.X_MH.R);
-  out.V_MH = velocity_.step(tick_.handle.X_MH);
   out.mode = tick_.mode;
   out.reason = tick_.reason;
   if (compensated_) compensated_->tell(out);
@@ -56,6 +61,21 @@ void Master::place_handle() noexcept {
     update(handle_, theta, tick_.handle);
 }
 
+// Where the grip is, the encoders say: forces and guides are those of their kinematics.
+void Master::move_grip() noexcept {
+  HandlePose& handle = tick_.handle;
+  const bool placed = tick_.reading.ok && handle.status == Status::ok;
+  if (tick_.reading.ahrs) grip_motion_->take(*tick_.reading.ahrs, tick_.now);
+  const GripMotionEstimate& e = grip_motion_->step(tick_.now, placed ? &handle.X_MH.p : nullptr);
+  handle.X_MH.R = e.X_MH.R;
+  tick_.out.V_MH = e.V_MH;
+  tick_.ahrs = e.ahrs;
+  const bool oriented = e.ahrs == AhrsState::ok || e.ahrs == AhrsState::lost;
+  when_placed_ = oriented ? Equipment::ok : Equipment::unoriented;
+  tick_.tilt_sigma = e.tilt_sigma;
+  tick_.yaw_sigma = e.yaw_sigma;
+}
+
 void Master::sense_force() noexcept {
   const bool read = usable();
   forces_ = read ? map_forces(handle_, tick_.handle) : Status::not_finite;
@@ -66,21 +86,18 @@ void Master::sense_force() noexcept {
   tick_.F_user_G = force_sensing_->step(tick_.reading.ends, J);
 }
 
-namespace {
-
-Equipment equipment(bool reads, Status kinematics) noexcept {
-  if (!reads) return Equipment::silent;
-  if (kinematics == Status::ok) return Equipment::ok;
-  return kinematics == Status::not_finite ? Equipment::implausible : Equipment::outside;
+Equipment Master::equipment() const noexcept {
+  if (!tick_.reading.ok) return Equipment::silent;
+  if (tick_.handle.status == Status::not_finite) return Equipment::implausible;
+  if (tick_.handle.status != Status::ok) return Equipment::outside;
+  return when_placed_;
 }
-
-}  // namespace
 
 void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
   const HandleReading& reading = tick_.reading;
   const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::disconnected;
   state_ = next_mode(state_,
-                     {.equipment = equipment(reading.ok, tick_.handle.status),
+                     {.equipment = equipment(),
                       .connected = slave.connected && slave.newest != nullptr,
                       .synced = slave.synced,
                       .fresh = slave.age <= config_.stale,

@@ -13,6 +13,7 @@
 #include "common/peer.hpp"
 #include "common/time.hpp"
 #include "common/wire.hpp"
+#include "master/ahrs/grip_motion.hpp"
 #include "master/compensation.hpp"
 #include "master/compensation/compensated_force.hpp"
 #include "master/force_controller.hpp"
@@ -36,7 +37,8 @@ struct MasterConfig {
   Handle handle;
   std::optional<double> alignment;  // [rad] of the handle, within which it may be coupled again
   double velocity_cutoff_hz = 60;
-  double max_motor_torque = 3;  // [N m]
+  std::optional<GripMotionConfig> grip_motion;  // of an AHRS on a Falcon's grip
+  double max_motor_torque = 3;                  // [N m]
   double torque_rise_time_s =
       0.02;  // a motor torque may go from 0 to its limit in this time: the slew limit
   std::optional<HandleForceSensingConfig> force_sensing;  // twin delta only
@@ -53,10 +55,13 @@ struct MasterConfig {
 struct MasterTick {
   TimePoint now{};
   HandleReading reading;
-  HandlePose handle;
-  bool user_felt = false;       // F_user_G is this tick's, from the sensors
-  bool user_estimated = false;  // F_user_G is the estimate of a handle without sensors
-  Wrench F_user_G;              // user on handle in handle axes, bias and the grip's weight removed
+  HandlePose handle;  // with an AHRS its orientation is the AHRS'
+  bool has_ahrs = false;
+  AhrsState ahrs = AhrsState::absent;
+  double tilt_sigma = 0, yaw_sigma = 0;  // [rad] standard deviations of that orientation
+  bool user_felt = false;                // F_user_G is this tick's, from the sensors
+  bool user_estimated = false;           // F_user_G is the estimate of a handle without sensors
+  Wrench F_user_G;  // user on handle in handle axes, bias and the grip's weight removed
   Mode mode = Mode::disconnected;
   Reason reason = Reason::no_partner;
   bool aligned = true;         // as Alignment says, and the slave's; without it always
@@ -103,6 +108,8 @@ class Master {
 
  private:
   void place_handle() noexcept;
+  void move_grip() noexcept;
+  Equipment equipment() const noexcept;
   void decide_mode(const Peer<SlaveToMaster>& slave) noexcept;
   bool aligned(const SlaveToMaster& in) noexcept;
   bool usable() const noexcept;
@@ -118,6 +125,8 @@ class Master {
   HandleVelocity velocity_;
   // At 20 rad/s the arm's end is as fast as a hand, 2 m/s.
   JointContinuity continuity_{Vec6::Constant(20)};
+  std::optional<GripMotion> grip_motion_;  // in its place
+  Equipment when_placed_ = Equipment::ok;  // if the kinematics know where it is
   std::optional<HandleForceSensing> force_sensing_;
   std::optional<ForceController> force_;
   std::optional<PositionControl> position_;

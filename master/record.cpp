@@ -10,11 +10,35 @@
 namespace farhand {
 namespace {
 
+static_assert(static_cast<int>(AhrsState::lost) == record::AHRS_LOST);
+
 template <typename Field>
 bool take(const Field& from, double* to, int size) noexcept {
   if (from.size() != size) return false;
   std::copy(from.begin(), from.end(), to);
   return true;
+}
+
+void fill_sample(record::MasterRecord& to, const AhrsSample& from) {
+  append(to.mutable_ahrs_angular_rate_i_rad_per_s(), from.gyro);
+  append(to.mutable_ahrs_specific_force_i_m_per_s2(), from.acceleration);
+  if (from.magnetic) append(to.mutable_ahrs_magnetic_field_i_t(), *from.magnetic);
+  if (from.attitude) append(to.mutable_ahrs_attitude(), *from.attitude);
+  if (from.time) to.set_ahrs_time_ns(from.time->count());
+}
+
+// Nothing: none was recorded, or not as this program does it.
+std::optional<AhrsSample> ahrs_sample(const record::MasterRecord& from) noexcept {
+  AhrsSample out;
+  if (!take(from.ahrs_angular_rate_i_rad_per_s(), out.gyro.data(), 3) ||
+      !take(from.ahrs_specific_force_i_m_per_s2(), out.acceleration.data(), 3))
+    return {};
+  Vec3 magnetic;
+  if (take(from.ahrs_magnetic_field_i_t(), magnetic.data(), 3)) out.magnetic = magnetic;
+  double q[4];
+  if (take(from.ahrs_attitude(), q, 4)) out.attitude = Quat(q[0], q[1], q[2], q[3]);
+  if (from.has_ahrs_time_ns()) out.time = Duration(from.ahrs_time_ns());
+  return out;
 }
 
 void fill_reading(record::MasterRecord& to, const HandleReading& from, int motors) {
@@ -23,6 +47,7 @@ void fill_reading(record::MasterRecord& to, const HandleReading& from, int motor
   to.set_clutch(from.clutch);
   to.set_has_force(from.has_force);
   append(to.mutable_theta_rad(), std::span(from.theta.data(), static_cast<std::size_t>(motors)));
+  if (from.ahrs) fill_sample(to, *from.ahrs);
   if (!from.has_force) return;
   append(to.mutable_upper_sensor_force_m_n(), from.ends.f_E1_M);
   append(to.mutable_lower_sensor_force_a2_n(), from.ends.f_E2_A2);
@@ -36,6 +61,11 @@ void fill_tick(record::MasterRecord& to, const MasterTick& from, const RecordedM
   append(to.mutable_handle_quaternion_m(), from.out.q_MH);
   append(to.mutable_handle_velocity_m_m_per_s(), from.out.V_MH.linear);
   append(to.mutable_handle_angular_velocity_m_rad_per_s(), from.out.V_MH.angular);
+  if (from.has_ahrs) {
+    to.set_ahrs_state(static_cast<record::AhrsState>(from.ahrs));
+    to.set_ahrs_tilt_sigma_rad(plotted(from.tilt_sigma));
+    to.set_ahrs_yaw_sigma_rad(plotted(from.yaw_sigma));
+  }
   if (from.age < Duration::max()) to.set_age_s(plotted(seconds(from.age)));
   to.set_user_estimated(from.user_estimated);
   if (from.user_felt || from.user_estimated) {
@@ -73,7 +103,8 @@ HandleReading handle_reading(const record::MasterRecord& from) noexcept {
   HandleReading out{.ok = from.reading_ok(),
                     .dead_man = from.dead_man(),
                     .clutch = from.clutch(),
-                    .has_force = from.has_force()};
+                    .has_force = from.has_force(),
+                    .ahrs = ahrs_sample(from)};
   out.ok &= take(from.theta_rad(), out.theta.data(), kFalconMotors) ||
             take(from.theta_rad(), out.theta.data(), kTwinDeltaMotors);
   if (out.has_force)

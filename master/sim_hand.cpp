@@ -81,6 +81,9 @@ SimHand<Geometry>::SimHand(const Geometry& geometry, SimHandConfig config)
   last_inside_ = truth_.state;
   truth_.theta = linkage_.theta();
   if (config_.user) motion_.emplace(config_.user->motion);
+  const std::uint64_t another_seed = ~config_.seed;
+  if (config_.ahrs)
+    ahrs_.emplace(Ahrs{SimAhrs(*config_.ahrs, another_seed), AhrsParser(config_.ahrs->format)});
   truth_.wish = wish_at(0);
 }
 
@@ -95,6 +98,11 @@ HandleReading SimHand<Geometry>::read(TimePoint now) noexcept {
   for (int i = 0; i < linkage_.kMotors; ++i)
     out.theta[i] = rounded(truth_.theta[i], config_.encoder_step);
   if (out.has_force) out.ends = sense_ends();
+  if (ahrs_) {
+    truth_.grip = grip();
+    ahrs_->sensor.advance(now, truth_.grip);
+    out.ahrs = next_sample(ahrs_->parser, [&] { return ahrs_->sensor.read(now); });
+  }
   return out;
 }
 
@@ -151,8 +159,10 @@ void SimHand<Geometry>::run(Duration span) noexcept {
   const HandCourse to = wish_at(truth_.t);
   for (long i = 1; i <= steps; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(steps);
+    const Vec3 v = truth_.state.v_MH;
     const HandCourse wish = between(from, to, length, share, plant_.rotates);
     truth_.user = step(plant_, truth_.state, wish, motors_, push_at(start + share * length), h);
+    a_MH_ = (truth_.state.v_MH - v) / h;
   }
   truth_.wish = to;
   if (std::abs(truth_.state.twist) > linkage_.kMaxTwist) {
@@ -238,6 +248,21 @@ bool SimHand<Geometry>::pressed(Button button) const noexcept {
   return std::any_of(config_.presses.begin(), config_.presses.end(), [&](const Press& p) {
     return p.button == button && truth_.t >= p.at && truth_.t < p.at + p.lasting;
   });
+}
+
+template <typename Geometry>
+Mat3 SimHand<Geometry>::wrist_at(double t) const noexcept {
+  return motion_ ? rotation(motion_->at(t).turn + turned_at(t)) : Mat3(Mat3::Identity());
+}
+
+template <typename Geometry>
+GripTruth SimHand<Geometry>::grip() const noexcept {
+  constexpr double kStep = 1e-3;  // [s]
+  const Mat3 before = wrist_at(truth_.t - kStep), now = wrist_at(truth_.t),
+             after = wrist_at(truth_.t + kStep);
+  const Vec3 to = rotation_vector(before.transpose() * now) / kStep;
+  const Vec3 from = rotation_vector(now.transpose() * after) / kStep;
+  return {.R_MH = now, .omega_H = (to + from) / 2, .alpha_H = (from - to) / kStep, .a_MH = a_MH_};
 }
 
 template <typename Geometry>

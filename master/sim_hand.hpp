@@ -6,6 +6,10 @@
 //
 // The mechanism is solved at every read and at least every 2 ms of plant time; in between the
 // motors' push is held. At the edge of the mechanism the handle stops without rebound.
+//
+// With an AHRS on a handle that only translates, the hand turns the grip on its joint by the
+// rotation vector (M axes) that its motion gives, at once and without effort; the sensor's bytes go
+// through the parser of a real one.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +17,7 @@
 #include <vector>
 
 #include "common/random.hpp"
+#include "master/ahrs/sim_ahrs.hpp"
 #include "master/hand_linkage.hpp"
 #include "master/hand_plant.hpp"
 #include "master/haptic_device.hpp"
@@ -56,6 +61,7 @@ struct SimHandConfig {
                                      // weight is part of the device's, its inertia of the hand's
   double rate = 5000;                // [Hz] steps of the plant
   std::uint64_t seed = 1;
+  std::optional<SimAhrsConfig> ahrs{};  // on the grip of a handle that does not rotate
 };
 
 // What really happens, for checkers and logs; no controller sees it.
@@ -64,6 +70,7 @@ struct HandTruth {
   HandState state;
   HandCourse wish;               // of the hand; the handle itself when nobody holds it
   HandLoad user;                 // the user side on the device, where the sensor sits
+  GripTruth grip;                // at the last reading, with an AHRS
   Vec6 theta = Vec6::Zero();     // not quantised
   Vec6 tau = Vec6::Zero();       // torques that act, limited
   std::uint64_t stops = 0;       // solutions at which the mechanism's edge stopped the handle
@@ -98,6 +105,8 @@ class SimHand {
   Vec3 turned_at(double t) const noexcept { return turned_ + (t - turning_since_) * turn_rate_; }
   Vec3 push_at(double t) const noexcept;
   bool pressed(Button button) const noexcept;
+  Mat3 wrist_at(double t) const noexcept;
+  GripTruth grip() const noexcept;
   EndForces sense_ends() noexcept;
 
   HandLinkage<Geometry> linkage_;
@@ -107,7 +116,13 @@ class SimHand {
   Vec3 middle_;                                            // of the hand's motion
   Vec3 turned_ = Vec3::Zero(), turn_rate_ = Vec3::Zero();  // besides it
   double turning_since_ = 0;                               // [s] of plant time
+  Vec3 a_MH_ = Vec3::Zero();                               // [m/s^2] over the plant's last step
   Random random_;
+  struct Ahrs {
+    SimAhrs sensor;
+    AhrsParser parser;
+  };
+  std::optional<Ahrs> ahrs_;
 
   std::optional<TimePoint> now_;
   Duration lived_{0};     // plant time

@@ -10,25 +10,37 @@
 namespace farhand {
 namespace {
 
+constexpr double kDegree = 180 / std::numbers::pi;
+
+// For the live line; empty without an AHRS.
+std::string ahrs_words(const MasterTick& t) {
+  if (!t.has_ahrs) return {};
+  constexpr const char* kWords[] = {"silent", "starting", "ok", "LOST, orientation held"};
+  return fmt::format("  AHRS {}, tilt +-{:.1f} yaw +-{:.1f} deg", kWords[static_cast<int>(t.ahrs)],
+                     t.tilt_sigma * kDegree, t.yaw_sigma * kDegree);
+}
+
 std::string live_line(const MasterRecord& r, std::uint64_t overruns) {
   const Vec3 p = r.tick.handle.X_MH.p * 1e3;
   return fmt::format(
       "{:<7} handle ({:6.1f} {:6.1f} {:6.1f}) mm  felt {:5.2f} N  round trip {:6.1f} us  jitter "
-      "{:6.1f} us  lost {}  reordered {}  overruns {}  dropped {}",
+      "{:6.1f} us  lost {}  reordered {}  overruns {}  dropped {}{}",
       to_string(r.tick.mode), p.x(), p.y(), p.z(), r.tick.F_G.force.norm(),
       static_cast<double>(r.link.round_trip.count()) * 1e-3,
       static_cast<double>(r.link.jitter.count()) * 1e-3, r.link.lost, r.link.reordered, overruns,
-      r.link.dropped);
+      r.link.dropped, ahrs_words(r.tick));
 }
 
 }  // namespace
 
 std::string summary_rows(const MasterSummary& s) {
-  constexpr double kDegree = 180 / std::numbers::pi;
   std::string out = mode_row(s.ticks, s.ticks_in_mode);
   if (s.turn_ticks > 0)
     out += fmt::format("  handle to be turned    {} ticks, by at most {:.1f} deg\n", s.turn_ticks,
                        s.largest_turn * kDegree);
+  if (s.ahrs_lost_ticks > 0)
+    out += fmt::format("  orientation held       {} ticks, no sample of the attitude sensor\n",
+                       s.ahrs_lost_ticks);
   if (s.force_free.count > 0)
     out += fmt::format("  F_u - F_e free         {:8.3f} N rms   {:8.3f} N peak\n",
                        s.force_free.value(), s.force_free.peak);
@@ -74,6 +86,21 @@ void MasterStatus::watch_method(const MasterRecord& r) {
   spdlog::info("compensation: {}: {}", to_string(r.tick.out.method), method_reason_);
 }
 
+// What the robot does about its orientation, where nothing else would tell.
+void MasterStatus::watch_ahrs(const MasterRecord& r) {
+  const AhrsState before = ahrs_;
+  ahrs_ = r.tick.ahrs;
+  if (ahrs_ == before) return;
+  if (ahrs_ == AhrsState::lost)
+    spdlog::warn(
+        "attitude sensor: no sample comes: the robot keeps its orientation and follows in "
+        "translation alone; check the sensor's cable");
+  else if (before == AhrsState::lost)
+    spdlog::info("attitude sensor: samples are back, the orientation returns slowly");
+  else if (ahrs_ == AhrsState::ok)
+    spdlog::info("attitude sensor: it knows how the grip is turned");
+}
+
 void MasterStatus::advise(const std::string& user) {
   spdlog::info("device: {}", user);
 }
@@ -83,6 +110,7 @@ void MasterStatus::add(const MasterRecord& r) {
   watch_silence(r);
   watch_slave(r);
   watch_method(r);
+  watch_ahrs(r);
   watch_.add(r.tick, r.timing, r.link, [&] { return live_line(r, watch_.report().overruns); });
 }
 

@@ -24,6 +24,7 @@ class MasterStatus {
   void watch_silence(const MasterRecord& record);
   void watch_slave(const MasterRecord& record);
   void watch_method(const MasterRecord& record);
+  void watch_ahrs(const MasterRecord& record);
 
   LoopWatch watch_;
   MasterSummary summary_;
@@ -31,6 +32,7 @@ class MasterStatus {
   bool silence_told_ = false;
   Reason slave_fault_ = Reason::none;
   const char* method_reason_ = nullptr;
+  AhrsState ahrs_ = AhrsState::absent;
 };
 
 }  // namespace farhand

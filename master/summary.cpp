@@ -6,6 +6,7 @@ void MasterSummary::add(const MasterTick& t) noexcept {
   if (ticks++ == 0) start_ = t.now;
   ++ticks_in_mode[static_cast<std::size_t>(t.mode)];
   limits.add(t.limits);
+  ahrs_lost_ticks += t.ahrs == AhrsState::lost;
   if (t.reason == Reason::turn_handle) {
     ++turn_ticks;
     largest_turn = std::max(largest_turn, t.turn_M.norm());

@@ -44,6 +44,15 @@ class AhrsParser {
   std::uint64_t samples_ = 0, foreign_ = 0, skipped_ = 0;
 };
 
+// One sample at a time from a parser that is fed when it has none: more() gives the bytes that have
+// come.
+template <typename More>
+std::optional<AhrsSample> next_sample(AhrsParser& parser, const More& more) noexcept {
+  if (const auto sample = parser.next()) return sample;
+  parser.push(more());
+  return parser.next();
+}
+
 // The sample as a frame, for simulated sensors and tests; bytes of `to` used. `text` writes $VNIMU,
 // which has neither attitude nor time, with its digits; a missing field reads as zero there.
 std::size_t encode(const AhrsSample& sample, AhrsFormat format,

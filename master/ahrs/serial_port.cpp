@@ -8,10 +8,12 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "common/serial_line.hpp"
+
 namespace farhand {
 namespace {
 
-speed_t speed(unsigned baud) noexcept {
+constexpr speed_t speed(std::uint64_t baud) noexcept {
   switch (baud) {
     case 9600:
       return B9600;
@@ -34,6 +36,9 @@ speed_t speed(unsigned baud) noexcept {
   }
 }
 
+static_assert(std::all_of(kLineRates.begin(), kLineRates.end(),
+                          [](std::uint64_t baud) { return speed(baud) != B0; }));
+
 // Bytes as they are, no flow control, no echo, no signals.
 bool set_raw(int file, speed_t rate) noexcept {
   termios line{};
@@ -52,13 +57,10 @@ bool set_raw(int file, speed_t rate) noexcept {
 SerialPort::SerialPort(const std::string& path, unsigned baud) {
   const speed_t rate = speed(baud);
   if (rate == B0)
-    throw std::runtime_error(
-        "serial: no line runs at " + std::to_string(baud) +
-        " baud; give 9600, 19200, 38400, 57600, 115200, 230400, 460800 or 921600");
+    throw std::runtime_error("serial: no line runs at " + std::to_string(baud) + " baud; give " +
+                             kLineRatesListed);
   file_ = open(path.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (file_ < 0)
-    throw std::runtime_error("serial: cannot open " + path + " (" + std::strerror(errno) +
-                             "); plug the AHRS in, or give the path and the rights to read it");
+  if (file_ < 0) throw std::runtime_error("serial: " + path + " " + unreadable_line(path, errno));
   if (set_raw(file_, rate)) return;
   const std::string why = std::strerror(errno);
   close(file_);

@@ -1,17 +1,9 @@
-// Scenes that must be refused. '@' stands where the message must point, just before the line and
-// column it names; it is taken out before the scene is read.
+// Scenes that must be refused, but for those of broken_scenes_ahrs.hpp.
 #pragma once
 
-#include <string>
-#include <vector>
+#include "tests/common/broken_scene.hpp"
 
 namespace farhand {
-
-struct BrokenScene {
-  std::string text;
-  const char* field;
-  const char* says;  // part of the message: what is wrong, or the remedy
-};
 
 inline std::vector<BrokenScene> broken_scenes() {
   const std::string hand = "twin_delta {} sim_hand {} ";
@@ -169,15 +161,6 @@ inline std::vector<BrokenScene> broken_scenes() {
        "master.sim_hand.twist_inertia_kg_m2", "use the twin_delta"},
       {with_falcon("sim_hand { operator { twist_stiffness_newton_m_per_rad: @1 } }"),
        "master.sim_hand.operator.twist_stiffness_newton_m_per_rad", "neither turns"},
-      {with_falcon("sim_hand { operator { motion { reach { at_s: 1 @turn_deg: [1, 1, 1] } } } }"),
-       "master.sim_hand.operator.motion.reach[0].turn_deg", "means nothing on a Falcon"},
-      {with_falcon("sim_hand { operator { motion { sine { frequency_hz: 1 @amplitude_deg: [1, 1, "
-                   "1] } } } }"),
-       "master.sim_hand.operator.motion.sine[0].amplitude_deg", "means nothing on a Falcon"},
-      {with_falcon("sim_hand { operator { motion { trace { max_tilt_deg: @10 } } } }"),
-       "master.sim_hand.operator.motion.trace.max_tilt_deg", "remove it"},
-      {with_falcon("sim_hand { operator { motion { max_turn_rate_deg_per_s: @10 } } }"),
-       "master.sim_hand.operator.motion.max_turn_rate_deg_per_s", "remove it"},
       {"master { falcon {} sim_hand {} force_feedback {\n max_torque_newton_meter: @1 } }\nslave { "
        "sim_arm { force_sensor {} } workspace {} joint_pid {} force_sensing {} }",
        "master.force_feedback.max_torque_newton_meter", "means nothing on a Falcon"},
@@ -245,12 +228,6 @@ inline std::vector<BrokenScene> broken_scenes() {
            "force_feedback {} guidance { fixture { axis { point_m: [0, 0, 0]\n @direction: [0, 0, "
            "0] } } } }",
        "master.guidance.fixture[0].axis.direction", "has no length"},
-      {"master { falcon {} sim_hand {} }\nslave { sim_arm {} joint_pid {}\n workspace { "
-       "rotation_lock: @true } }",
-       "slave.workspace.rotation_lock", "means nothing on a Falcon"},
-      {"master { falcon {} sim_hand {} }\nslave { sim_arm {} joint_pid {}\n workspace { "
-       "alignment_deg: @10 } }",
-       "slave.workspace.alignment_deg", "means nothing on a Falcon"},
       {"master { " + hand +
            "}\nslave { sim_arm {} joint_pid {}\n workspace { rotation_lock: true "
            "alignment_deg: @10 } }",

@@ -15,17 +15,19 @@ constexpr TimePoint kNow{std::chrono::hours(1)};
 
 std::vector<ModeInputs> all_inputs() {
   std::vector<ModeInputs> out;
-  for (int bits = 0; bits < 1 << 11; ++bits) {
-    const auto bit = [bits](int i) { return (bits >> i & 1) != 0; };
-    out.push_back({.equipment = static_cast<Equipment>(bits & 3),
-                   .connected = bit(2),
-                   .synced = bit(3),
-                   .fresh = bit(4),
-                   .partner = static_cast<Partner>(bits >> 5 & 3),
-                   .dead_man = bit(7),
-                   .aligned = bit(8),
-                   .reset = bit(9),
-                   .stop = bit(10)});
+  constexpr int kEquipments = 5;
+  for (int i = 0; i < kEquipments << 9; ++i) {
+    const int bits = i / kEquipments;
+    const auto bit = [bits](int which) { return (bits >> which & 1) != 0; };
+    out.push_back({.equipment = static_cast<Equipment>(i % kEquipments),
+                   .connected = bit(0),
+                   .synced = bit(1),
+                   .fresh = bit(2),
+                   .partner = static_cast<Partner>(bits >> 3 & 3),
+                   .dead_man = bit(5),
+                   .aligned = bit(6),
+                   .reset = bit(7),
+                   .stop = bit(8)});
   }
   return out;
 }
@@ -183,8 +185,9 @@ TEST(Mode, AFaultIsLeftOnlyByResetWithTheEquipmentWell) {
         ASSERT_EQ(to.reason, s.reason);
         continue;
       }
-      ASSERT_TRUE(in.stop || (in.reset && (in.equipment == Equipment::ok ||
-                                           in.equipment == Equipment::outside)));
+      const bool reads =
+          in.equipment != Equipment::silent && in.equipment != Equipment::implausible;
+      ASSERT_TRUE(in.stop || (in.reset && reads));
     }
   }
 }
@@ -245,6 +248,20 @@ TEST(Mode, StartingUpIsNoFault) {
                   kNow + milliseconds(k));
   EXPECT_EQ(s.mode, Mode::aligning);
   EXPECT_EQ(s.reason, Reason::silent);
+}
+
+TEST(Mode, AnOrientationNotYetKnownWaitsAndIsNoFault) {
+  ModeState s;
+  ModeInputs in{.equipment = Equipment::unoriented,
+                .connected = true,
+                .synced = true,
+                .fresh = true,
+                .partner = Partner::able};
+  for (int k = 0; k < 1000; ++k) s = next_mode(s, in, kNow + milliseconds(k));
+  EXPECT_EQ(s.mode, Mode::aligning);
+  EXPECT_EQ(s.reason, Reason::no_attitude);
+  in.equipment = Equipment::ok;
+  EXPECT_EQ(next_mode(s, in, kNow + milliseconds(1000)).mode, Mode::ready);
 }
 
 TEST(Mode, EveryReasonHasItsSentence) {

@@ -10,6 +10,7 @@
 
 #include "common/scene_rules.hpp"
 #include "tests/common/broken_scenes.hpp"
+#include "tests/common/broken_scenes_ahrs.hpp"
 
 namespace farhand {
 namespace {
@@ -49,8 +50,14 @@ Marked unmark(std::string text) {
   return out;
 }
 
+std::vector<BrokenScene> all_broken() {
+  std::vector<BrokenScene> out = broken_scenes();
+  for (BrokenScene& broken : broken_ahrs_scenes()) out.push_back(std::move(broken));
+  return out;
+}
+
 TEST(Scene, IsRefusedAtTheRightPlaceWithARemedy) {
-  for (const BrokenScene& broken : broken_scenes()) {
+  for (const BrokenScene& broken : all_broken()) {
     const Marked m = unmark(broken.text);
     const auto error = refusal(m.text);
     ASSERT_TRUE(error) << "accepted: " << m.text;
@@ -72,9 +79,10 @@ TEST(Scene, IsRefusedAtTheRightPlaceWithARemedy) {
 TEST(Scene, EveryRuleHasABrokenScene) {
   SceneRules rules;
   add_master_rules(rules);
+  add_ahrs_rules(rules);
   add_slave_rules(rules);
   std::vector<SceneError> refusals;
-  for (const BrokenScene& broken : broken_scenes())
+  for (const BrokenScene& broken : all_broken())
     refusals.push_back(*refusal(unmark(broken.text).text));
   for (const SceneRule& rule : rules) {
     const bool falcon = rule.what.starts_with("means nothing on a Falcon");

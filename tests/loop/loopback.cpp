@@ -21,6 +21,11 @@ AnyDevice device_of(const Scene& scene, const LoopbackOptions& options) {
         scene.path +
         ": master.falcon_usb is a real device, which knows no virtual time; run "
         "farhand-master, or put sim_hand {} in its place");
+  if (scene.proto.master().ahrs().has_serial())
+    throw std::runtime_error(
+        scene.path +
+        ": master.ahrs.serial is a real line, which knows no virtual time; run farhand-master, or "
+        "put simulated {} in its place");
   return make_device(scene, options.trace,
                      stream(options.seed.value_or(scene.proto.seed()), kHandStream));
 }

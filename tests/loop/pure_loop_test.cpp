@@ -118,9 +118,9 @@ void run_both_sides(Figures& figures) {
                "the slave's turn", figures.slave, slave_done);
   }).detach();
   std::thread([&] {
-    take_turns(
-        MasterLoop(master_times, master, device, &master_link, &master_socket, master_recorder),
-        "the master's turn", figures.master, master_done);
+    take_turns(MasterLoop(master_times, master, device, &master_link, &master_socket, nullptr,
+                          master_recorder),
+               "the master's turn", figures.master, master_done);
   }).detach();
   while (!master_done || !slave_done) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   master_recorder.stop();

@@ -68,7 +68,8 @@ Scene coupled_scene(bool contact) {
 }
 
 TEST(Replay, SameReadingsGiveTheSameBits) {
-  for (const char* name : {"full", "falcon_arm", "twin_delta_contact", "falcon_f1"}) {
+  for (const char* name :
+       {"full", "falcon_arm", "falcon_ahrs", "twin_delta_contact", "falcon_f1"}) {
     SCOPED_TRACE(name);
     const TemporaryFile first("", ".mcap"), second("", ".mcap");
     const Scene scene = shipped(name);
@@ -126,6 +127,28 @@ TEST(Replay, TheBoundarysShareIsRecordedWhereThereIsABoundary) {
     std::printf("%s: the boundary's force is at most %.2f N\n", name, largest);
     EXPECT_EQ(largest > 1, has);
     EXPECT_LE(largest, cap * (1 + 1e-4));
+  }
+}
+
+TEST(Replay, AnAhrsIsRecordedWhereThereIsOne) {
+  for (const char* name : {"falcon_ahrs", "falcon_arm"}) {
+    SCOPED_TRACE(name);
+    const TemporaryFile file("", ".mcap");
+    const Scene scene = shipped(name);
+    recorded(scene, {.duration_s = 3}, file.path());
+    const bool has = scene.proto.master().has_ahrs();
+    int samples = 0, whole = 0, ok = 0;
+    for_each<record::MasterRecord>(file.path(), "/master", [&](const record::MasterRecord& r) {
+      samples += r.ahrs_angular_rate_i_rad_per_s_size() > 0;
+      whole += r.ahrs_specific_force_i_m_per_s2_size() == 3 &&
+               r.ahrs_magnetic_field_i_t_size() == 3 && r.has_ahrs_time_ns();
+      ok += r.ahrs_state() == record::AHRS_OK && r.ahrs_yaw_sigma_rad() > 0;
+      ASSERT_EQ(r.has_ahrs_yaw_sigma_rad(), has);
+      ASSERT_EQ(r.has_ahrs_tilt_sigma_rad(), has);
+    });
+    EXPECT_NEAR(samples, has ? 3 * scene.proto.master().ahrs().rate_hz() : 0, 2);
+    EXPECT_EQ(whole, samples);
+    EXPECT_NEAR(ok, has ? 2000 : 0, 10);  // all but the first second
   }
 }
 

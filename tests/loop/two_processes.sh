@@ -325,6 +325,21 @@ doctor 2 'scene is required' slave
 doctor 2 '--docter' master "$scene" --docter
 pass "--doctor finds nothing wrong, a port in use, a key and a scene that are missing, and sends nothing"
 
+line="/dev/no_such_line"
+printf 'master { falcon {} sim_hand {} ahrs { serial { path: "%s" } } }\nslave { sim_arm {} workspace {} joint_pid {} }\n' "$line" >"$dir/line.textproto"
+doctor 1 "problem +ahrs +$line cannot be read .*plug the AHRS in" master "$dir/line.textproto"
+"$bin/farhand-master" "$dir/line.textproto" --quiet --duration 1 >"$dir/master" 2>&1 && fail "the master started without its AHRS"
+grep -q "serial: $line cannot be read .*plug the AHRS in" "$dir/master" || fail "a missing AHRS is not told"
+sed 's/press { button: DEAD_MAN at_s: 2 }/press { button: DEAD_MAN at_s: 2 lasting_s: 3 } press { button: DEAD_MAN at_s: 7 lasting_s: 3 } press { button: DEAD_MAN at_s: 12 }/' \
+  deploy/scenes/falcon_ahrs.textproto >"$dir/ahrs.textproto"
+start_slave "$dir/ahrs.textproto"
+start_master "$dir/ahrs.textproto"
+wait_for master 'it knows how the grip is turned' 1
+wait_for slave 'READY -> ENGAGED' 1
+end INT master slave
+engaged_only_by_a_press
+pass "an AHRS on the grip is waited for before the first press; one that is not there is told by --doctor and the start"
+
 for side in master slave; do
   sed "s/^$side {/& realtime { cpu: 1023 }/" "$scene" >"$dir/pinned.textproto"
   doctor 1 'problem +processors +there is no processor 1023: name one from 0' "$side" "$dir/pinned.textproto"

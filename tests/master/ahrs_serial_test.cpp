@@ -6,8 +6,12 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "master/ahrs/frames.hpp"
-#include "master/ahrs/serial_port.hpp"
+#include "common/realtime.hpp"
+#include "common/recorder.hpp"
+#include "common/scene.hpp"
+#include "master/ahrs/ahrs_line.hpp"
+#include "master/build.hpp"
+#include "master/build_ahrs.hpp"
 
 namespace farhand {
 namespace {
@@ -55,6 +59,71 @@ TEST(SerialPort, AFrameOverTheLineIsASample) {
   EXPECT_EQ(got->gyro, sent.gyro);
 }
 
+// Of a grip at rest, now; what it reads about x tells which it is.
+constexpr double kMark = 1e-5;  // [rad/s]
+AhrsSample numbered(int i) {
+  return {.gyro = Vec3(kMark * i, 0, 0),
+          .acceleration = Vec3(0, kGravity, 0),
+          .time = monotonic_now().time_since_epoch()};
+}
+int number_of(const AhrsSample& sample) {
+  return static_cast<int>(std::lround(sample.gyro.x() / kMark));
+}
+void send(const Terminal& far, int i) {
+  std::array<std::byte, kMaxFrameBytes> frame;
+  far.say(std::span(frame).first(encode(numbered(i), AhrsFormat::native, frame)));
+}
+
+TEST(AhrsLine, GivesOneSampleAtATimeInOrder) {
+  const Terminal far;
+  AhrsLine line(far.name, 115200, AhrsFormat::native);
+  EXPECT_FALSE(line.next());
+  for (int i = 1; i <= 3; ++i) send(far, i);
+  for (int i = 1; i <= 3; ++i) {
+    std::optional<AhrsSample> got;
+    for (int k = 0; k < 1000 && !got; ++k) got = line.next();
+    ASSERT_TRUE(got) << i;
+    EXPECT_EQ(number_of(*got), i);
+  }
+  EXPECT_FALSE(line.next());
+}
+
+// In real time: the sensor's first second is one. No slave is needed for it.
+TEST(AhrsLine, TheLoopReadsItBesideTheDevice) {
+  const Terminal far;
+  const Scene scene =
+      parse_scene("master { falcon {} sim_hand {} position_control {} ahrs { serial { path: \"" +
+                      far.name + "\" } } }",
+                  "test");
+  Master master(master_config(scene.proto));
+  AnyDevice device = make_device(scene, {}, 1);
+  std::optional<AhrsLine> line;
+  open_ahrs(scene.proto, line);
+  ASSERT_TRUE(line);
+  std::atomic<bool> ok = false;
+  bool aligned = false, in_order = true;
+  int last = 0;
+  Recorder<MasterRecord> recorder([&](const MasterRecord& r) {
+    aligned |= r.tick.ahrs == AhrsState::aligning;
+    if (r.tick.reading.ahrs) {
+      in_order &= number_of(*r.tick.reading.ahrs) == last + 1;
+      last = number_of(*r.tick.reading.ahrs);
+    }
+    if (r.tick.ahrs == AhrsState::ok) ok = true;
+  });
+  MasterLoop loop(master_loop_config(scene.proto), master, device, nullptr, nullptr, &*line,
+                  recorder);
+  constexpr int kMostTurns = 10000;
+  for (int i = 0; i < kMostTurns && !ok; ++i) {
+    if (i % 5 == 0) send(far, i / 5 + 1);
+    loop.turn();
+  }
+  recorder.stop();
+  EXPECT_TRUE(ok && aligned);
+  EXPECT_TRUE(in_order || recorder.lost() > 0);
+  EXPECT_GT(last, 10);
+}
+
 TEST(SerialPort, SilentOnceTheOtherEndIsGone) {
   auto far = std::make_unique<Terminal>();
   SerialPort port(far->name, 115200);
@@ -72,8 +141,9 @@ TEST(SerialPort, RefusesInASentence) {
     }
     return "";
   };
-  EXPECT_NE(why("/dev/no_such_line", 115200).find("cannot open /dev/no_such_line"),
-            std::string::npos);
+  const std::string missing = why("/dev/no_such_line", 115200);
+  EXPECT_NE(missing.find("/dev/no_such_line cannot be read (No such file"), std::string::npos);
+  EXPECT_NE(missing.find("plug the AHRS in"), std::string::npos);
   EXPECT_NE(why("/dev/null", 115200).find("is no serial line"), std::string::npos);
   EXPECT_NE(why("/dev/null", 12345).find("12345 baud"), std::string::npos);
 }
