@@ -3,19 +3,24 @@
 // see the same machine.
 //
 // The device is plugged and unplugged here, not at the emulator. Requests are answered on a thread
-// of the mock's own, which is also where the clock and the mechanism are asked.
+// of the mock's own, which is also where the clock and the mechanism are asked; in real time on
+// another one, too, but never on both at once.
 #pragma once
 
 #include <linux/ioctl.h>
 #include <linux/usbdevice_fs.h>
 #include <umockdev.h>
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 
+#include "master/falcon_usb/emulator/doorbell.hpp"
 #include "master/falcon_usb/emulator/emulator.hpp"
 
 namespace farhand::falcon_usb {
@@ -25,9 +30,10 @@ struct MockBusConfig {
   Mechanism mechanism;
   std::function<TimePoint()> clock;
   std::string serial;
-  // Under real time, how long who asks for what is finished is kept waiting if nothing is: the file
-  // always looks as if there were something, so that libusb would ask without end.
-  Duration patience{};
+  // The clock runs by itself: what is finished is told when it is due, and until then libusb
+  // sleeps. Else time passes when libusb asks, and its file always looks as if something were
+  // finished.
+  bool real_time = false;
 };
 
 class MockBus {
@@ -75,6 +81,10 @@ class MockBus {
   void hear(const Event& event);
   void fill_reads();
   void add_device(unsigned number);
+  void make_file();
+  void live();
+  bool something_finished() const;
+  std::string file_of(unsigned number) const;
 
   mutable std::mutex mutex_;
   MockBusConfig config_;
@@ -86,6 +96,10 @@ class MockBus {
   std::deque<UsbBytes> packets_;
   UMockdevTestbed* testbed_;
   UMockdevIoctlBase* handler_;
+  std::optional<Doorbell> doorbell_;  // of the device that is there, in real time
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::thread time_;  // lets it pass
 };
 
 }  // namespace farhand::falcon_usb

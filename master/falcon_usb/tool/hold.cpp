@@ -11,7 +11,10 @@ Hold::Hold(const FalconGeometry& geometry)
     : handle_{.geometry = geometry}, velocity_(kVelocityHz, kTs) {}
 
 void Hold::go(const Vec3& p_MH) {
+  // Whatever the grip weighs in truth, it is there in a few seconds.
+  constexpr double kIntegral = 150;  // [N/(m s)]
   PositionControlConfig c{.max_force = kMaxForce, .safe = SafeMotion{.max_speed = kMaxSpeed}};
+  c.pid.ki = kIntegral;
   c.pid.limit = kMaxForce;
   c.set_points = {{.p_MH = p_MH}};
   control_.emplace(c, kTs);

@@ -38,19 +38,28 @@ bool button(Session& session, const char* name, std::uint8_t bit) {
   return report(seen, std::string("button ") + name, "not seen alone within 20 s");
 }
 
-// How far from `to` the grip comes to rest; nothing if it was lost on the way.
-std::optional<double> drive(Session& session, Hold& hold, const Vec3& to) {
-  constexpr Duration kWay = std::chrono::milliseconds(2500);
+// How far from `to` the grip comes to rest, or why it does not.
+struct Driven {
+  double off = 0;  // [m]
+  const char* lost = nullptr;
+};
+Driven drive(Session& session, Hold& hold, const Vec3& to) {
+  constexpr int kWay = 2500;  // samples
   hold.go(to);
   std::optional<Hold::Step> step;
   session.run_samples(kWay, [&](TimePoint now, const Sample&) {
     step = hold.step(now, session.driver().read(now));
     session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
-    return step && step->lost;
+    return !session.armed() || (step && step->lost);
   });
   session.driver().write(monotonic_now(), Vec6::Zero());
-  if (!session.armed() || !step || step->lost) return {};
-  return (step->p_MH - to).norm();
+  if (!session.armed())
+    return {.lost =
+                "it stopped answering on the way, which takes the force away: see to the cable "
+                "and to a busy machine, and begin again"};
+  if (!step || step->lost)
+    return {.lost = "lost on the way: held by hand, weak, or pushed the wrong way"};
+  return {.off = (step->p_MH - to).norm()};
 }
 
 bool forces(Session& session, const FalconGeometry& geometry) {
@@ -60,16 +69,15 @@ bool forces(Session& session, const FalconGeometry& geometry) {
   bool good = true;
   for (const Vec3& way : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0),
                           Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
-    const auto off = drive(session, hold, centre + kReach * way);
+    const Driven driven = drive(session, hold, centre + kReach * way);
     char what[80];
-    std::snprintf(what, sizeof what, "driven to (%+.0f %+.0f %+.0f) mm of the centre, %.1f mm off",
-                  1e3 * kReach * way.x(), 1e3 * kReach * way.y(), 1e3 * kReach * way.z(),
-                  1e3 * off.value_or(0));
-    if (!report(off && *off < kNear, what,
-                off ? "weak motors, or something in the way"
-                    : "lost on the way: held by hand, weak, or pushed the wrong way"))
-      good = false;
-    if (!off) return false;
+    std::snprintf(what, sizeof what, "driven to (%+.0f %+.0f %+.0f) mm of the centre",
+                  1e3 * kReach * way.x(), 1e3 * kReach * way.y(), 1e3 * kReach * way.z());
+    if (driven.lost != nullptr) return report(false, what, driven.lost);
+    char off[20];
+    std::snprintf(off, sizeof off, ", %.1f mm off", 1e3 * driven.off);
+    const bool near = driven.off < kNear;
+    good = report(near, what + std::string(off), "weak motors, or something in the way") && good;
   }
   return good;
 }
@@ -83,10 +91,14 @@ int test(Session& session, const FalconGeometry& geometry) {
        {std::pair{"centre", kButtonCentre}, std::pair{"forward", kButtonForward},
         std::pair{"plus (right)", kButtonPlus}, std::pair{"minus (left)", kButtonMinus}})
     good = button(session, name, bit) && good;
-  std::fputs("now the motors: hold the grip lightly, make the gesture, and let the grip go\n",
-             stderr);
+  std::fputs(
+      "now the motors, which drive the grip 15 mm each way for 20 s: hold it lightly, press the "
+      "centre and the forward button together for half a second, and let all of it go\n",
+      stderr);
   session.reach(Phase::armed, kHands);
   good = forces(session, geometry) && good;
+  std::puts(good ? "all is as it should be; the motors are off, and the grip sinks"
+                 : "not all is as it should be: see the lines that say FAILED");
   return good ? 0 : 1;
 }
 
