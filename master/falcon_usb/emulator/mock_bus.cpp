@@ -119,21 +119,31 @@ void MockBus::occupy(bool busy) {
   busy_ = busy;
 }
 
+void MockBus::bind_driver() {
+  const std::lock_guard lock(mutex_);
+  bound_ = true;
+}
+
+// Others can still look, and listen for plugs; and the mock wants to be connected with even for what
+// cannot be opened.
 void MockBus::forbid() {
-  chmod(file_of(kNumber).c_str(), 0);
+  const std::string root = this->root();
+  chmod((root + node_of(kNumber)).c_str(), 0);
+  chmod((root + "/ioctl" + node_of(kNumber)).c_str(), 0777);
+  chmod(root.c_str(), 0777);
 }
 
 void MockBus::make_file() {
-  const std::string file = file_of(kNumber);
+  const std::string file = root() + node_of(kNumber);
   std::filesystem::create_directories(std::filesystem::path(file).parent_path());
   doorbell_.emplace(file);
 }
 
-std::string MockBus::file_of(unsigned number) const {
+std::string MockBus::root() const {
   gchar* root = umockdev_testbed_get_root_dir(testbed_);
-  const std::string file = root + node_of(number);
+  std::string out = root;
   g_free(root);
-  return file;
+  return out;
 }
 
 void MockBus::set_faults(const SerialFaults& serial, const BusFaults& bus) {
@@ -202,6 +212,8 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
       return busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber) ? EBUSY : 0;
+    case USBDEVFS_GETDRIVER:
+      return driver(argument);
     case USBDEVFS_SUBMITURB:
       return submit(argument);
     case USBDEVFS_REAPURB:
@@ -215,6 +227,15 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     default:
       return 0;
   }
+}
+
+int MockBus::driver(UMockdevIoctlData* argument) const {
+  if (!bound_) return ENODATA;
+  UMockdevIoctlData* d =
+      umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_getdriver), nullptr);
+  std::strcpy(reinterpret_cast<usbdevfs_getdriver*>(d->data)->driver, "ftdi_sio");
+  umockdev_ioctl_data_unref(d);
+  return 0;
 }
 
 int MockBus::submit(UMockdevIoctlData* argument) {
@@ -288,24 +309,30 @@ void MockBus::live() {
     TimePoint until = TimePoint::max();
     if (!reaping_) {
       let_time_pass();
-      if (doorbell_ && something_finished()) doorbell_->ring();
-      until = emulator_.due();
+      const TimePoint tell = tell_at();
+      const bool tells = tell <= config_.clock();
+      if (tells && doorbell_) doorbell_->ring();
+      until = tells ? emulator_.due() : std::min(tell, emulator_.due());
     }
     wake_.wait_until(lock, until);
   }
 }
 
-bool MockBus::something_finished() const {
-  return std::any_of(flying_.begin(), flying_.end(), [](const Urb& urb) { return urb.finished; });
+// When the host is to hear of what is finished.
+TimePoint MockBus::tell_at() const {
+  TimePoint at = TimePoint::max();
+  for (const Urb& urb : flying_)
+    if (urb.finished) at = std::min(at, urb.tell_at);
+  return at;
 }
 
 void MockBus::let_time_pass() {
   const TimePoint now = config_.clock();
-  while (const Event* event = emulator_.next_event(now)) hear(*event);
+  while (const Event* event = emulator_.next_event(now)) hear(*event, now);
   fill_reads();
 }
 
-void MockBus::hear(const Event& event) {
+void MockBus::hear(const Event& event, TimePoint now) {
   // The chip does not queue packets that carry nothing. In real time they are left out altogether:
   // to wake the host a thousand times a second for nothing costs too much here.
   const bool useless = config_.real_time || !packets_.empty();
@@ -317,6 +344,8 @@ void MockBus::hear(const Event& event) {
     if (urb.reads() || urb.finished) continue;
     const bool bulk = urb.urb().type == USBDEVFS_URB_TYPE_BULK;
     urb.finish(sent ? 0 : -EPROTO, sent && bulk ? urb.urb().buffer_length : 0);
+    // Told together with the answer to it, it costs half as much.
+    if (sent && bulk) urb.tell_at = now + std::chrono::milliseconds(1);
   }
 }
 

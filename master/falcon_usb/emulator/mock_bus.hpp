@@ -49,6 +49,8 @@ class MockBus {
   void plug_taken(unsigned number);
   // In other hands, for those who try to have it from now on.
   void occupy(bool busy);
+  // A driver of the kernel's has it from now on.
+  void bind_driver();
   // To all but root.
   void forbid();
   void set_faults(const SerialFaults& serial, const BusFaults& bus);
@@ -65,6 +67,7 @@ class MockBus {
     UMockdevIoctlData* data;
     bool finished = false;
     int status = 0;
+    TimePoint tell_at = TimePoint::min();  // if finished, in real time
     usbdevfs_urb& urb() const { return *reinterpret_cast<usbdevfs_urb*>(data->data); }
     unsigned char* bytes() const { return static_cast<unsigned char*>(urb().buffer); }
     bool reads() const;
@@ -73,23 +76,24 @@ class MockBus {
 
   static gboolean handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self);
   int answer(UMockdevIoctlClient* client);
+  int driver(UMockdevIoctlData* argument) const;
   int submit(UMockdevIoctlData* argument);
   void describe(Urb& urb) const;
   int reap(UMockdevIoctlData* argument);
   int discard(gulong address);
   void let_time_pass();
-  void hear(const Event& event);
+  void hear(const Event& event, TimePoint now);
   void fill_reads();
   void add_device(unsigned number);
   void make_file();
   void live();
-  bool something_finished() const;
-  std::string file_of(unsigned number) const;
+  TimePoint tell_at() const;
+  std::string root() const;  // directory of the mocked machine
 
   mutable std::mutex mutex_;
   MockBusConfig config_;
   Emulator emulator_;
-  bool there_ = false, busy_ = false, stuck_ = false;
+  bool there_ = false, busy_ = false, bound_ = false, stuck_ = false;
   bool reaping_ = false;  // what was finished when time passed last
   int reads_to_fail_ = 0, read_error_ = 0, halts_cleared_ = 0;
   std::deque<Urb> flying_;

@@ -38,46 +38,46 @@ bool button(Session& session, const char* name, std::uint8_t bit) {
   return report(seen, std::string("button ") + name, "not seen alone within 20 s");
 }
 
-// How far from `to` the grip comes to rest, or why it does not.
-struct Driven {
-  double off = 0;  // [m]
-  const char* lost = nullptr;
-};
-Driven drive(Session& session, Hold& hold, const Vec3& to) {
+// How far from `to` the grip comes to rest [m], or nothing if it was lost on the way. If it stops
+// answering on the way, which takes the force away, the user arms it again.
+std::optional<double> drive(Session& session, Hold& hold, const Vec3& to) {
   constexpr int kWay = 2500;  // samples
-  hold.go(to);
   std::optional<Hold::Step> step;
-  session.run_samples(kWay, [&](TimePoint now, const Sample&) {
-    step = hold.step(now, session.driver().read(now));
-    session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
-    return !session.armed() || (step && step->lost);
-  });
-  session.driver().write(monotonic_now(), Vec6::Zero());
-  if (!session.armed())
-    return {.lost =
-                "it stopped answering on the way, which takes the force away: see to the cable "
-                "and to a busy machine, and begin again"};
-  if (!step || step->lost)
-    return {.lost = "lost on the way: held by hand, weak, or pushed the wrong way"};
-  return {.off = (step->p_MH - to).norm()};
+  for (bool again = true; again;) {
+    hold.go(to);
+    session.run_samples(kWay, [&](TimePoint now, const Sample&) {
+      step = hold.step(now, session.driver().read(now));
+      session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
+      return !session.armed() || (step && step->lost);
+    });
+    session.driver().write(monotonic_now(), Vec6::Zero());
+    again = !session.armed();
+    if (again) session.reach(Phase::armed, kHands);
+  }
+  if (!step || step->lost) return {};
+  return (step->p_MH - to).norm();
 }
 
 bool forces(Session& session, const FalconGeometry& geometry) {
   constexpr double kReach = 0.015, kNear = 0.005;  // [m]
+  const char* lost = "lost on the way: held by hand, weak, or pushed the wrong way";
   const Vec3 centre(0, 0, 0.115);
   Hold hold(geometry);
+  // The first time to find out what the grip weighs, which differs.
+  if (!drive(session, hold, centre)) return report(false, "driven to the centre", lost);
+  hold.weigh();
   bool good = true;
   for (const Vec3& way : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0),
                           Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1)}) {
-    const Driven driven = drive(session, hold, centre + kReach * way);
+    const auto off = drive(session, hold, centre + kReach * way);
     char what[80];
     std::snprintf(what, sizeof what, "driven to (%+.0f %+.0f %+.0f) mm of the centre",
                   1e3 * kReach * way.x(), 1e3 * kReach * way.y(), 1e3 * kReach * way.z());
-    if (driven.lost != nullptr) return report(false, what, driven.lost);
-    char off[20];
-    std::snprintf(off, sizeof off, ", %.1f mm off", 1e3 * driven.off);
-    const bool near = driven.off < kNear;
-    good = report(near, what + std::string(off), "weak motors, or something in the way") && good;
+    if (!off) return report(false, what, lost);
+    char text[20];
+    std::snprintf(text, sizeof text, ", %.1f mm off", 1e3 * *off);
+    good = report(*off < kNear, what + std::string(text), "weak motors, or something in the way") &&
+           good;
   }
   return good;
 }
