@@ -95,14 +95,14 @@ until_said() {
 # Whenever it says that it is homed it wants the gesture, once the dialogue is that far.
 wants_arms=no armed=0 tries=0
 arm_if_asked() {
-  [[ "$wants_arms" == yes ]] || return 0
+  [[ "$wants_arms" != no ]] || return 0
   local homed
   homed="$(grep -aoE 'homed; for force|armed$' "$dir/falcon" | tail -n 1)"
   if [[ "$homed" == armed ]]; then
     (($(lines 'armed$') > armed)) || return 0
     armed="$(lines 'armed$')" tries=0
     hand release
-    hand let go
+    if [[ "$wants_arms" == and_lets_go ]]; then hand let go; fi
   elif ((tries++ % 50 == 0)); then
     hand release
     sleep 0.3
@@ -127,7 +127,7 @@ for button in centre forward plus minus; do
 done
 until_said 'now the motors' 1
 hand release
-wants_arms=yes
+wants_arms=and_lets_go
 finish
 for button in centre forward plus minus; do said "^ok +button $button"; done
 # How fast it is asked is the machine's doing; all else must be right.
@@ -160,18 +160,28 @@ until_said 'pose 9:' 1
 echo >&5
 until_said 'fits best' 1
 wants_arms=yes
+moves=$((poses + 1)) holds=0
+# weigh GRAMS: with the grip near the middle, let go once the motors hold it.
+weigh() {
+  hand weight "$1"
+  hand move 0 0 115
+  moves=$((moves + 1)) holds=$((holds + 1))
+  until_said 'hand: there' "$moves"
+  echo "$1" >&5
+  until_said 'the motors hold it' "$holds"
+  hand let go
+}
 weights=0 missed=0
 for grams in 0 100 200; do
   weights=$((weights + 1))
   until_said "weight $weights:" 1
-  hand weight "$grams"
-  echo "$grams" >&5
+  weigh "$grams"
   # One that was not held, because the machine stood still, is asked for again.
   until (($(lines "weight $((weights + 1)):") > 0)); do
     until_said "weight $((weights + 1)):\|the grip was not held" $((missed + 1))
     (($(lines 'the grip was not held') > missed)) || continue
     missed=$((missed + 1))
-    echo "$grams" >&5
+    weigh "$grams"
   done
 done
 echo >&5
@@ -179,14 +189,17 @@ finish
 ends 0 'TABLE1 fits best' 'pose 8: ' 'counts per N m' 'wrote .*lines'
 { echo 'master {'; cat "$dir/lines"; echo 'position_control {} }'; } >"$dir/calibrated.textproto"
 "$bin/farhand-master" --check "$dir/calibrated.textproto" >"$dir/check" 2>&1 || { cat "$dir/check" "$dir/lines"; fail "its lines are no scene's"; }
-# found NAME TRUTH WITHIN
+# found NAME TRUTH WITHIN: added to what is told of it.
+results=
 found() {
   local value
   value="$(sed -n "s/^ *$1: //p" "$dir/lines")"
   awk -v a="$value" -v b="$2" -v d="$3" 'BEGIN { exit !(a - b <= d && b - a <= d) }' || { cat "$dir/falcon"; fail "$1 is $2, found $value"; }
-  echo -n "$1 $value of $2, "
+  results+="$1 $value of $2, "
 }
-results="$(found gear_ratio 7.71 0.02)$(found angle_offset_deg 38.4 0.2)$(found counts_per_newton_meter 8000 160)"
+found gear_ratio 7.71 0.02
+found angle_offset_deg 38.4 0.2
+found counts_per_newton_meter 8000 160
 pass "calibrate finds $results$(grep -aoE 'the grip itself [0-9]+ g' "$dir/falcon") of 120, and its lines are a scene's"
 
 # ---- a teleoperation

@@ -124,8 +124,8 @@ void MockBus::bind_driver() {
   bound_ = true;
 }
 
-// Others can still look, and listen for plugs; and the mock wants to be connected with even for what
-// cannot be opened.
+// Others can still look, and listen for plugs; and the mock wants to be connected with even for
+// what cannot be opened.
 void MockBus::forbid() {
   const std::string root = this->root();
   chmod((root + node_of(kNumber)).c_str(), 0);

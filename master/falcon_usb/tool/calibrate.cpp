@@ -34,6 +34,11 @@ std::optional<std::vector<double>> numbers(const std::string& line) {
   return out;
 }
 
+Vec3 counts_of(const Sample& sample) {
+  const auto& n = sample.answer.encoders;
+  return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])};
+}
+
 // Mean encoder counts over half a second; the grip must rest.
 std::optional<Vec3> rest(Session& session) {
   constexpr int kLook = 500;          // samples
@@ -41,8 +46,7 @@ std::optional<Vec3> rest(Session& session) {
   Vec3 sum = Vec3::Zero(), least = Vec3::Constant(1e9), most = -least;
   int samples = 0;
   session.run_samples(kLook, [&](TimePoint, const Sample& sample) {
-    const auto& n = sample.answer.encoders;
-    const Vec3 counts(n[0], n[1], n[2]);
+    const Vec3 counts = counts_of(sample);
     sum += counts;
     least = least.cwiseMin(counts);
     most = most.cwiseMax(counts);
@@ -116,30 +120,36 @@ Chosen find_geometry(Session& session) {
   }
 }
 
-// What holds the grip at the centre against a weight, in motor counts.
+// What holds the grip at the centre against a weight, in motor counts; nothing if it was not at
+// rest there.
 std::optional<KnownLoad> carried(Session& session, const DriverConfig& config,
                                  const FalconGeometry& geometry, double mass) {
-  constexpr int kSettle = 6000, kLook = 2000;  // samples
+  constexpr int kSettle = 8000, kLook = 2000;  // samples
+  constexpr double kAtRest = 0.001;            // [m]
+  const Vec3 centre(0, 0, 0.115);
   Hold hold(geometry);
-  hold.go(Vec3(0, 0, 0.115));
+  hold.go(centre);
   KnownLoad out{.mass = mass};
   int samples = -kSettle;
-  bool lost = false;
-  session.run_samples(kSettle + kLook, [&](TimePoint now, const Sample&) {
-    const auto step = hold.step(now, session.driver().read(now));
+  std::optional<Hold::Step> step;
+  session.run_samples(kSettle + kLook, [&](TimePoint now, const Sample& sample) {
+    HandleReading reading = session.driver().read(now);
+    // The driver has the geometry that was known before.
+    reading.theta.head<3>() = theta1_from_counts(geometry, counts_of(sample).cast<int>());
+    step = hold.step(now, reading);
     session.driver().write(now, step ? step->tau : Vec6(Vec6::Zero()));
-    lost = !step || step->lost;
-    if (lost) return true;
+    if (!session.armed() || !step || step->lost) return true;
     if (samples++ < 0) return false;
     out.p_MH += step->p_MH;
     out.motors += config.counts_per_newton_meter * step->tau.head<3>();
     return false;
   });
   session.driver().write(monotonic_now(), Vec6::Zero());
-  if (!session.armed() || lost || samples <= 0) return {};
+  if (!session.armed() || samples < kLook) return {};
   out.p_MH /= samples;
   out.motors /= samples;
-  return out;
+  const bool there = (out.p_MH - centre).norm() < Hold::kLost;
+  return there && (step->p_MH - out.p_MH).norm() < kAtRest ? std::optional(out) : std::nullopt;
 }
 
 // Added to those there are.
@@ -155,11 +165,13 @@ void add_loads(Session& session, const DriverConfig& config, const FalconGeometr
       continue;
     }
     session.reach(Phase::armed, kHands);
-    std::puts("the motors hold it for 8 s; do not touch it");
+    std::puts("the motors hold it for 10 s: let go of it");
     if (const auto load = carried(session, config, geometry, 1e-3 * grams->front()))
       loads.push_back(*load);
     else
-      std::puts("the grip was not held; let it go, hang a lighter weight, and once more");
+      std::puts(
+          "the grip was not held, or did not rest; once more, and if that does not help, hang a "
+          "lighter weight");
   }
 }
 
@@ -171,9 +183,10 @@ GainFit weigh(Session& session, const DriverConfig& config, const FalconGeometry
       "then let go.");
   session.reach(Phase::armed, kHands);
   std::puts(
-      "Hang a weight, let go of the grip, and type its mass in grams, 0 for none, at most 300; "
-      "three\ndifferent ones are good. In between the motors are off, and the grip sinks. back "
-      "takes the last one\naway, nothing at all ends.");
+      "Hang a weight on the grip and hold it near the middle of its reach. Type the mass in grams, "
+      "0 "
+      "for\nnone, at most 300, then let go: the motors hold it for 10 s. Take it again before they "
+      "let go. Three\ndifferent ones are good; back takes the last one away, nothing at all ends.");
   std::vector<KnownLoad> loads;
   GainFit fit;
   for (;;) {
