@@ -63,11 +63,12 @@ std::string to_text(const Findings& findings) {
                            warnings, warnings == 1 ? "" : "s");
 }
 
-int run(const std::string& side, const ProgramOptions& options) {
+int run(const std::string& side, const ProgramOptions& options, const Look& more) {
   std::optional<Scene> scene;
   Findings findings{scene_file(options.scene, scene)};
   if (scene) add(findings, link(side, options, *scene));
   if (scene) add(findings, serial_line(side, scene->proto));
+  if (scene && more) add(findings, more(*scene));
   const proto::Scene words = scene ? scene->proto : proto::Scene();
   add(findings, examine(words, realtime_config(side == "master" ? words.master().realtime()
                                                                 : words.slave().realtime())));

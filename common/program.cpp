@@ -49,7 +49,7 @@ int run_guarded(const std::string& name, const std::function<int()>& body) {
 }
 
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
-                const std::function<int(const ProgramOptions&)>& body) {
+                const std::function<int(const ProgramOptions&)>& body, const doctor::Look& more) {
   Arguments arguments(description, name);
   ProgramOptions options;
   const bool is_master = name == "farhand-master";
@@ -58,8 +58,8 @@ int run_program(int argc, char** argv, const std::string& name, const std::strin
   if (const auto status = arguments.parse(argc, argv, missing)) return *status;
   catch_stop_signals();
   const std::string side = is_master ? "master" : "slave";
-  return run_guarded(name,
-                     [&] { return options.doctor ? doctor::run(side, options) : body(options); });
+  return run_guarded(
+      name, [&] { return options.doctor ? doctor::run(side, options, more) : body(options); });
 }
 
 bool print_only(const ProgramOptions& options, const Scene& scene, const Stages& stages) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/doctor.hpp"
 #include "common/scene.hpp"
 #include "common/secure_service.hpp"
 #include "common/time.hpp"
@@ -40,11 +41,13 @@ struct ProgramOptions {
   }
 };
 
-// Parses the arguments, runs `body`, or the doctor if it was asked for, and turns what it throws
+// Parses the arguments, runs `body`, or the doctor if it was asked for, which then looks at what
+// `more` does, too, and turns what it throws
 // into one line on stderr. Exit status: what body returns, 1 after an error, 2 for arguments that
 // make no sense.
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
-                const std::function<int(const ProgramOptions&)>& body);
+                const std::function<int(const ProgramOptions&)>& body,
+                const doctor::Look& more = {});
 
 // The error half of run_program, for programs with other arguments.
 int run_guarded(const std::string& name, const std::function<int()>& body);

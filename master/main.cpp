@@ -8,6 +8,7 @@
 #include "common/scene_network.hpp"
 #include "master/build.hpp"
 #include "master/build_ahrs.hpp"
+#include "master/falcon_usb/doctor.hpp"
 #include "master/record.hpp"
 #include "master/status.hpp"
 
@@ -68,5 +69,6 @@ int main(int argc, char** argv) {
         std::fputs(status.final_table(recorder.lost()).c_str(), stdout);
         if (file) std::fputs(file->end().c_str(), stdout);
         return 0;
-      });
+      },
+      falcon_usb::examine);
 }

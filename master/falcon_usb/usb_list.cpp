@@ -16,7 +16,8 @@ Found look_at(libusb_device* device, const libusb_device_descriptor& d) {
     return out;
   }
   out.serial = serial_number(handle, d);
-  const int error = libusb_claim_interface(handle, kInterface);
+  out.kernel_driver = libusb_kernel_driver_active(handle, kInterface) == 1;
+  const int error = out.kernel_driver ? 0 : libusb_claim_interface(handle, kInterface);
   if (error != LIBUSB_SUCCESS) out.refusal = refusal(error);
   libusb_close(handle);
   return out;

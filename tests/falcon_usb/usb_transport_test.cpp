@@ -14,6 +14,7 @@
 
 #include "master/falcon_usb/driver.hpp"
 #include "master/falcon_usb/emulator/mock_bus.hpp"
+#include "master/falcon_usb/usb_list.hpp"
 #include "tests/falcon_usb/emulated_falcon.hpp"
 
 // What is freed is counted, too.
@@ -121,11 +122,24 @@ TEST(UsbTransport, ADeviceThatIsTakenIsSaidToBeAndHadOnceItIsFree) {
   EXPECT_TRUE(usb.until(Phase::homed));
 }
 
+// Root may open anything: for a while it is somebody else, in all threads.
+class NotRoot {
+ public:
+  NotRoot() { EXPECT_EQ(seteuid(was_root_ ? kNobody : geteuid()), 0); }
+  ~NotRoot() { EXPECT_EQ(seteuid(was_root_ ? 0 : geteuid()), 0); }
+  NotRoot(const NotRoot&) = delete;
+  NotRoot& operator=(const NotRoot&) = delete;
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+  const bool was_root_ = geteuid() == 0;
+};
+
 TEST(UsbTransport, ADeviceThisUserMayNotOpenIsSaidToBe) {
-  if (geteuid() == 0) GTEST_SKIP() << "root may open anything";
   Usb usb;
   usb.bus.plug();
   usb.bus.forbid();
+  const NotRoot not_root;
   ASSERT_TRUE(usb.until(Phase::failed));
   EXPECT_EQ(usb.driver.status().trouble, Trouble::permission);
 }
@@ -142,6 +156,18 @@ TEST(UsbTransport, AnotherSerialNumberIsLeftAlone) {
   Usb other(config, {}, "another");
   other.bus.plug();
   EXPECT_FALSE(other.until([&] { return other.driver.status().phase != Phase::absent; }, 1));
+}
+
+// Not to be mistaken for another program's.
+TEST(UsbTransport, ADriverOfTheKernelsIsSeenAndTakenAway) {
+  Usb usb;
+  usb.bus.plug();
+  EXPECT_FALSE(list_falcons().at(0).kernel_driver);
+  usb.bus.bind_driver();
+  const Found found = list_falcons().at(0);
+  EXPECT_TRUE(found.kernel_driver);
+  EXPECT_EQ(found.serial, kSerial);
+  EXPECT_TRUE(usb.until(Phase::homed));
 }
 
 // Of two, the one that can be had is, wherever it stands in the list.

@@ -27,7 +27,6 @@ class EmulatedHand {
   }
   const HandTruth& truth() const noexcept { return hand_.truth(); }
 
- private:
   GripState read(TimePoint now) noexcept {
     const HandleReading reading = hand_.read(now);
     const Eigen::Vector3i counts = counts_from_theta1(config_.geometry, reading.theta.head<3>());
@@ -43,6 +42,7 @@ class EmulatedHand {
     hand_.write(now, tau);
   }
 
+ private:
   EmulatedHandConfig config_;
   SimHand<FalconGeometry> hand_;
 };

@@ -7,6 +7,8 @@
 #include "common/arguments.hpp"
 #include "common/program.hpp"
 #include "common/realtime.hpp"
+#include "master/build_falcon.hpp"
+#include "master/falcon_usb/emulator/command_pipe.hpp"
 #include "master/falcon_usb/emulator/mock_bus.hpp"
 #include "master/falcon_usb/emulator/mocked_child.hpp"
 #include "master/falcon_usb/emulator/scripted_hand.hpp"
@@ -18,6 +20,7 @@ struct Options {
   bool firmware_loaded = false, homed = false, no_power = false;
   bool permission_denied = false, busy = false;
   std::string serial = "FH0042", motion = "still";
+  std::optional<std::string> hand, scene;
   std::optional<std::uint64_t> seed;
   double unplug_after_s = 0, replug_after_s = 0;  // 0: never
   SerialFaults serial_faults;
@@ -45,9 +48,20 @@ void add_faults(Arguments& arguments, Options& o) {
 }
 
 HandMotion hand_motion(const std::string& word) {
+  if (word == "none") return HandMotion::none;
   if (word == "still") return HandMotion::still;
   if (word == "circle") return HandMotion::circle;
-  throw std::runtime_error("--motion is '" + word + "'; it can be still or circle");
+  throw std::runtime_error("--motion is '" + word + "'; it can be none, still or circle");
+}
+
+// What the device is in truth, whatever its driver takes it to be.
+EmulatedHandConfig device_config(const Options& o) {
+  if (!o.scene) return {};
+  const Scene scene = load_scene(*o.scene);
+  if (!scene.proto.master().has_falcon())
+    throw std::runtime_error(*o.scene + " has no falcon as its master's handle");
+  const DriverConfig c = falcon_usb_config(scene).driver;
+  return {.geometry = c.geometry, .counts_per_newton_meter = c.counts_per_newton_meter};
 }
 
 void check(const Options& o) {
@@ -55,8 +69,6 @@ void check(const Options& o) {
     throw std::runtime_error("--replug-after without --unplug-after: it would be plugged in twice");
   if (o.homed && !o.firmware_loaded)
     throw std::runtime_error("--homed without --firmware-loaded: it is firmware that homes");
-  if (o.permission_denied && geteuid() == 0)
-    throw std::runtime_error("--permission-denied: root may open anything; run as another user");
 }
 
 EmulatorConfig emulator_config(const Options& o) {
@@ -69,30 +81,41 @@ EmulatorConfig emulator_config(const Options& o) {
   };
 }
 
-// Plugs and unplugs while the command runs.
+// Root may open anything: then it is nobody who runs it.
+std::vector<std::string> command(const Options& o) {
+  if (!o.permission_denied || geteuid() != 0) return o.command;
+  std::vector<std::string> out{"setpriv", "--reuid=nobody", "--regid=nogroup", "--clear-groups",
+                               "--"};
+  out.insert(out.end(), o.command.begin(), o.command.end());
+  return out;
+}
+
+// Plugs and unplugs while the command runs, and passes on what the hand is told.
 class Bench {
  public:
   explicit Bench(const Options& o)
       : options_(o),
-        hand_(hand_motion(o.motion)),
+        hand_(hand_motion(o.motion), device_config(o)),
         bus_({.emulator = emulator_config(o),
               .mechanism = hand_.mechanism(),
               .clock = monotonic_now,
               .serial = o.serial,
-              .patience = std::chrono::microseconds(100)}) {
+              .real_time = true}) {
+    if (o.hand) told_.emplace(*o.hand);
     if (o.no_power) bus_.cut_power();
     bus_.occupy(o.busy);
     plug();
   }
 
   int run() {
-    MockedChild child(options_.command);
+    MockedChild child(command(options_));
     const TimePoint begin = monotonic_now();
     bool told = false;
     for (;; sleep_until(monotonic_now() + std::chrono::milliseconds(5))) {
       if (const auto status = child.status()) return *status;
       if (stop_requested() && !std::exchange(told, true)) child.terminate();
       look(seconds(monotonic_now() - begin));
+      pass_on();
     }
   }
 
@@ -101,6 +124,18 @@ class Bench {
     const double out = options_.unplug_after_s, in = out + options_.replug_after_s;
     if (out > 0 && t >= out && times_ == 0) unplug();
     if (in > out && t >= in && times_ == 1) plug_again();
+  }
+  void pass_on() {
+    if (!told_) return;
+    if (hand_.arrived()) spdlog::info("hand: there");
+    const auto line = told_->line();
+    if (!line || line->empty()) return;
+    try {
+      hand_.tell(*line);
+      spdlog::info("hand: {}", *line);
+    } catch (const std::exception& e) {
+      spdlog::warn("{}", e.what());
+    }
   }
   void unplug() {
     ++times_;
@@ -122,6 +157,7 @@ class Bench {
   const Options& options_;
   ScriptedHand hand_;
   MockBus bus_;
+  std::optional<CommandPipe> told_;
   int times_ = 0;  // unplugged and plugged in again
 };
 
@@ -142,7 +178,11 @@ int main(int argc, char** argv) {
   arguments.flag("--no-power", o.no_power, "its power supply is not plugged in");
   arguments.flag("--permission-denied", o.permission_denied, "this user may not open it");
   arguments.flag("--busy", o.busy, "another program has it");
-  arguments.option("--motion", o.motion, "of the hand once it is armed: still or circle");
+  arguments.option("--motion", o.motion,
+                   "of the hand: still or circle once it has armed the device, or none at all");
+  arguments.option("--hand", o.hand,
+                   "a pipe to make: what is written into it the hand does, such as press centre");
+  arguments.option("--like", o.scene, "the device has geometry and force of this scene's falcon");
   arguments.option("--seed", o.seed, "of the faults");
   const NumberRange time{.least = 0.001, .most = 1e7, .of = "seconds"};
   arguments.number("--unplug-after", o.unplug_after_s, time, "so long after the command began");

@@ -2,13 +2,15 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <thread>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
+#include "common/realtime.hpp"
 #include "master/falcon_usb/ftdi.hpp"
 
 namespace farhand::falcon_usb {
@@ -31,6 +33,13 @@ std::string sysfs_of(unsigned number) {
   return text("/sys/devices/usb%u", number);
 }
 
+// The calling thread becomes as prompt as a kernel, if this user may have it so.
+void be_prompt() noexcept {
+  constexpr int kPriority = 85;  // above those who ask, the device's thread and the loop
+  thread_local bool is = false;
+  if (!std::exchange(is, true)) schedule_fifo(kPriority);
+}
+
 }  // namespace
 
 MockBus::MockBus(MockBusConfig config)
@@ -39,9 +48,16 @@ MockBus::MockBus(MockBusConfig config)
       testbed_(umockdev_testbed_new()),
       handler_(umockdev_ioctl_base_new()) {
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(handle), this);
+  if (config_.real_time) time_ = std::thread([this] { live(); });
 }
 
 MockBus::~MockBus() {
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  wake_.notify_one();
+  if (time_.joinable()) time_.join();
   for (const Urb& urb : flying_) umockdev_ioctl_data_unref(urb.data);
   g_object_unref(handler_);
   g_object_unref(testbed_);
@@ -52,11 +68,13 @@ MockBus::~MockBus() {
 void MockBus::plug() {
   {
     const std::lock_guard lock(mutex_);
+    if (config_.real_time) make_file();
     const TimePoint now = config_.clock();
     emulator_.plug(now);
     emulator_.next_event(now + std::chrono::seconds(1));  // the kernel says itself that it is there
     there_ = true;
   }
+  wake_.notify_one();
   add_device(kNumber);
 }
 
@@ -68,10 +86,13 @@ void MockBus::unplug() {
     emulator_.next_event(now);
     there_ = false;
     packets_.clear();
+    if (doorbell_) doorbell_->ring();
   }
   umockdev_testbed_detach_ioctl(testbed_, node_of(kNumber).c_str(), nullptr);
   umockdev_testbed_uevent(testbed_, sysfs_of(kNumber).c_str(), "remove");
   umockdev_testbed_remove_device(testbed_, sysfs_of(kNumber).c_str());
+  const std::lock_guard lock(mutex_);
+  doorbell_.reset();
 }
 
 void MockBus::plug_taken(unsigned number) {
@@ -79,8 +100,9 @@ void MockBus::plug_taken(unsigned number) {
 }
 
 void MockBus::add_device(unsigned number) {
+  const bool made = number == kNumber && config_.real_time;  // its file
   const std::string device =
-      text("P: /devices/usb%u\n", number) + text("N: bus/usb/001/%03u\n", number) +
+      text("P: /devices/usb%u\n", number) + (made ? "" : text("N: bus/usb/001/%03u\n", number)) +
       "E: SUBSYSTEM=usb\nE: DRIVER=usb\nE: BUSNUM=001\n" + text("E: DEVNUM=%03u\n", number) +
       text("E: DEVNAME=/dev/bus/usb/001/%03u\n", number) +
       "E: DEVTYPE=usb_device\nA: bConfigurationValue=1\\n\nA: busnum=1\\n\n" +
@@ -97,10 +119,31 @@ void MockBus::occupy(bool busy) {
   busy_ = busy;
 }
 
+void MockBus::bind_driver() {
+  const std::lock_guard lock(mutex_);
+  bound_ = true;
+}
+
+// Others can still look, and listen for plugs; and the mock wants to be connected with even for
+// what cannot be opened.
 void MockBus::forbid() {
-  gchar* root = umockdev_testbed_get_root_dir(testbed_);
+  const std::string root = this->root();
   chmod((root + node_of(kNumber)).c_str(), 0);
+  chmod((root + "/ioctl" + node_of(kNumber)).c_str(), 0777);
+  chmod(root.c_str(), 0777);
+}
+
+void MockBus::make_file() {
+  const std::string file = root() + node_of(kNumber);
+  std::filesystem::create_directories(std::filesystem::path(file).parent_path());
+  doorbell_.emplace(file);
+}
+
+std::string MockBus::root() const {
+  gchar* root = umockdev_testbed_get_root_dir(testbed_);
+  std::string out = root;
   g_free(root);
+  return out;
 }
 
 void MockBus::set_faults(const SerialFaults& serial, const BusFaults& bus) {
@@ -142,18 +185,13 @@ void MockBus::Urb::finish(int with, int length) {
 }
 
 gboolean MockBus::handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self) {
-  constexpr auto kNap = std::chrono::microseconds(20);
-  std::unique_lock lock(self->mutex_);
-  const auto& clock = self->config_.clock;
-  const TimePoint until = clock() + self->config_.patience;
-  const bool patient = !self->reaping_;
-  int error = self->answer(client);
-  while (error == EAGAIN && patient && clock() < until) {
-    lock.unlock();
-    std::this_thread::sleep_for(kNap);
-    lock.lock();
+  int error = 0;
+  if (self->config_.real_time) be_prompt();
+  {
+    const std::lock_guard lock(self->mutex_);
     error = self->answer(client);
   }
+  self->wake_.notify_one();
   umockdev_ioctl_client_complete(client, error == 0 ? 0 : -1, error);
   return TRUE;
 }
@@ -174,6 +212,8 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
       return busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber) ? EBUSY : 0;
+    case USBDEVFS_GETDRIVER:
+      return driver(argument);
     case USBDEVFS_SUBMITURB:
       return submit(argument);
     case USBDEVFS_REAPURB:
@@ -187,6 +227,15 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     default:
       return 0;
   }
+}
+
+int MockBus::driver(UMockdevIoctlData* argument) const {
+  if (!bound_) return ENODATA;
+  UMockdevIoctlData* d =
+      umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_getdriver), nullptr);
+  std::strcpy(reinterpret_cast<usbdevfs_getdriver*>(d->data)->driver, "ftdi_sio");
+  umockdev_ioctl_data_unref(d);
+  return 0;
 }
 
 int MockBus::submit(UMockdevIoctlData* argument) {
@@ -237,7 +286,9 @@ int MockBus::reap(UMockdevIoctlData* argument) {
     return 0;
   }
   reaping_ = false;
-  return there_ ? EAGAIN : ENODEV;
+  if (!there_) return ENODEV;
+  if (doorbell_) doorbell_->quiet();
+  return EAGAIN;
 }
 
 int MockBus::discard(gulong address) {
@@ -251,15 +302,41 @@ int MockBus::discard(gulong address) {
 
 // ---- the emulator's side
 
+void MockBus::live() {
+  be_prompt();
+  std::unique_lock lock(mutex_);
+  while (!ends_) {
+    TimePoint until = TimePoint::max();
+    if (!reaping_) {
+      let_time_pass();
+      const TimePoint tell = tell_at();
+      const bool tells = tell <= config_.clock();
+      if (tells && doorbell_) doorbell_->ring();
+      until = tells ? emulator_.due() : std::min(tell, emulator_.due());
+    }
+    wake_.wait_until(lock, until);
+  }
+}
+
+// When the host is to hear of what is finished.
+TimePoint MockBus::tell_at() const {
+  TimePoint at = TimePoint::max();
+  for (const Urb& urb : flying_)
+    if (urb.finished) at = std::min(at, urb.tell_at);
+  return at;
+}
+
 void MockBus::let_time_pass() {
   const TimePoint now = config_.clock();
-  while (const Event* event = emulator_.next_event(now)) hear(*event);
+  while (const Event* event = emulator_.next_event(now)) hear(*event, now);
   fill_reads();
 }
 
-void MockBus::hear(const Event& event) {
-  // The chip does not queue packets that carry nothing.
-  const bool empty = event.packet.size <= kFtdiStatusBytes && !packets_.empty();
+void MockBus::hear(const Event& event, TimePoint now) {
+  // The chip does not queue packets that carry nothing. In real time they are left out altogether:
+  // to wake the host a thousand times a second for nothing costs too much here.
+  const bool useless = config_.real_time || !packets_.empty();
+  const bool empty = event.packet.size <= kFtdiStatusBytes && useless;
   if (event.kind == EventKind::received && !empty) packets_.push_back(event.packet);
   if (event.kind != EventKind::sent && event.kind != EventKind::failed) return;
   const bool sent = event.kind == EventKind::sent;
@@ -267,6 +344,8 @@ void MockBus::hear(const Event& event) {
     if (urb.reads() || urb.finished) continue;
     const bool bulk = urb.urb().type == USBDEVFS_URB_TYPE_BULK;
     urb.finish(sent ? 0 : -EPROTO, sent && bulk ? urb.urb().buffer_length : 0);
+    // Told together with the answer to it, it costs half as much.
+    if (sent && bulk) urb.tell_at = now + std::chrono::milliseconds(1);
   }
 }
 

@@ -3,19 +3,24 @@
 // see the same machine.
 //
 // The device is plugged and unplugged here, not at the emulator. Requests are answered on a thread
-// of the mock's own, which is also where the clock and the mechanism are asked.
+// of the mock's own, which is also where the clock and the mechanism are asked; in real time on
+// another one, too, but never on both at once.
 #pragma once
 
 #include <linux/ioctl.h>
 #include <linux/usbdevice_fs.h>
 #include <umockdev.h>
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <thread>
 
+#include "master/falcon_usb/emulator/doorbell.hpp"
 #include "master/falcon_usb/emulator/emulator.hpp"
 
 namespace farhand::falcon_usb {
@@ -25,9 +30,10 @@ struct MockBusConfig {
   Mechanism mechanism;
   std::function<TimePoint()> clock;
   std::string serial;
-  // Under real time, how long who asks for what is finished is kept waiting if nothing is: the file
-  // always looks as if there were something, so that libusb would ask without end.
-  Duration patience{};
+  // The clock runs by itself: what is finished is told when it is due, and until then libusb
+  // sleeps. Else time passes when libusb asks, and its file always looks as if something were
+  // finished.
+  bool real_time = false;
 };
 
 class MockBus {
@@ -43,6 +49,8 @@ class MockBus {
   void plug_taken(unsigned number);
   // In other hands, for those who try to have it from now on.
   void occupy(bool busy);
+  // A driver of the kernel's has it from now on.
+  void bind_driver();
   // To all but root.
   void forbid();
   void set_faults(const SerialFaults& serial, const BusFaults& bus);
@@ -59,6 +67,7 @@ class MockBus {
     UMockdevIoctlData* data;
     bool finished = false;
     int status = 0;
+    TimePoint tell_at = TimePoint::min();  // if finished, in real time
     usbdevfs_urb& urb() const { return *reinterpret_cast<usbdevfs_urb*>(data->data); }
     unsigned char* bytes() const { return static_cast<unsigned char*>(urb().buffer); }
     bool reads() const;
@@ -67,25 +76,34 @@ class MockBus {
 
   static gboolean handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self);
   int answer(UMockdevIoctlClient* client);
+  int driver(UMockdevIoctlData* argument) const;
   int submit(UMockdevIoctlData* argument);
   void describe(Urb& urb) const;
   int reap(UMockdevIoctlData* argument);
   int discard(gulong address);
   void let_time_pass();
-  void hear(const Event& event);
+  void hear(const Event& event, TimePoint now);
   void fill_reads();
   void add_device(unsigned number);
+  void make_file();
+  void live();
+  TimePoint tell_at() const;
+  std::string root() const;  // directory of the mocked machine
 
   mutable std::mutex mutex_;
   MockBusConfig config_;
   Emulator emulator_;
-  bool there_ = false, busy_ = false, stuck_ = false;
+  bool there_ = false, busy_ = false, bound_ = false, stuck_ = false;
   bool reaping_ = false;  // what was finished when time passed last
   int reads_to_fail_ = 0, read_error_ = 0, halts_cleared_ = 0;
   std::deque<Urb> flying_;
   std::deque<UsbBytes> packets_;
   UMockdevTestbed* testbed_;
   UMockdevIoctlBase* handler_;
+  std::optional<Doorbell> doorbell_;  // of the device that is there, in real time
+  std::condition_variable wake_;
+  bool ends_ = false;
+  std::thread time_;  // lets it pass
 };
 
 }  // namespace farhand::falcon_usb

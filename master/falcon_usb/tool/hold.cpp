@@ -1,5 +1,7 @@
 #include "master/falcon_usb/tool/hold.hpp"
 
+#include <algorithm>
+
 namespace farhand::falcon_usb {
 namespace {
 
@@ -11,11 +13,17 @@ Hold::Hold(const FalconGeometry& geometry)
     : handle_{.geometry = geometry}, velocity_(kVelocityHz, kTs) {}
 
 void Hold::go(const Vec3& p_MH) {
-  PositionControlConfig c{.max_force = kMaxForce, .safe = SafeMotion{.max_speed = kMaxSpeed}};
+  PositionControlConfig c{.max_force = kMaxForce,
+                          .gravity_mass = weight_ / kGravity,
+                          .safe = SafeMotion{.max_speed = kMaxSpeed}};
   c.pid.limit = kMaxForce;
   c.set_points = {{.p_MH = p_MH}};
   control_.emplace(c, kTs);
   lost_ = false;
+}
+
+void Hold::weigh() {
+  weight_ = std::clamp(force_.dot(PositionControlConfig{}.up_M), 0.0, kMaxForce / 2);
 }
 
 std::optional<Hold::Step> Hold::step(TimePoint now, const HandleReading& reading) {
@@ -27,6 +35,7 @@ std::optional<Hold::Step> Hold::step(TimePoint now, const HandleReading& reading
   if (lost_ || !control_ || handle_.map_forces(pose_) != Status::ok) return out;
   LimitSet limits = kLimitNone;
   const Vec3 f = control_->step(now, {.p_MH = out.p_MH, .v_MH = V.linear}, limits);
+  force_ = f;
   out.lost = lost_ = (out.p_MH - control_->target()).norm() > kLost;
   if (!lost_) out.tau = handle_.torque({.force = f});
   return out;

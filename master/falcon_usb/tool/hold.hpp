@@ -21,6 +21,10 @@ class Hold {
   // From now on to there, in M.
   void go(const Vec3& p_MH);
 
+  // Of a grip at rest: what holds it now is its weight, from the next go() on. Until then it is
+  // taken to be the published one.
+  void weigh();
+
   struct Step {
     Vec3 p_MH = Vec3::Zero();
     Vec6 tau = Vec6::Zero();  // to be written
@@ -35,6 +39,8 @@ class Hold {
   HandlePose pose_;
   HandleVelocity velocity_;
   std::optional<PositionControl> control_;
+  Vec3 force_ = Vec3::Zero();                                        // last
+  double weight_ = PositionControlConfig{}.gravity_mass * kGravity;  // [N]
   bool lost_ = false;
 };
 

@@ -13,9 +13,10 @@ namespace {
 
 constexpr Duration kSetUp = std::chrono::seconds(5), kUpload = std::chrono::minutes(2);
 
-std::string openable(Refusal refusal) {
-  if (refusal == Refusal::none) return "can be opened";
-  return advice({.phase = Phase::failed, .trouble = trouble_of(refusal)});
+std::string openable(const Found& f) {
+  if (f.kernel_driver) return "can be opened, and is then taken from a driver of the kernel's";
+  if (f.refusal == Refusal::none) return "can be opened";
+  return advice({.phase = Phase::failed, .trouble = trouble_of(f.refusal)});
 }
 
 std::string buttons(std::uint8_t pressed) {
@@ -54,7 +55,7 @@ int list() {
   const auto found = list_falcons();
   for (const Found& f : found)
     std::printf("bus %d device %d  serial %s  %s\n", f.bus, f.address,
-                f.serial.empty() ? "unknown" : f.serial.c_str(), openable(f.refusal).c_str());
+                f.serial.empty() ? "unknown" : f.serial.c_str(), openable(f).c_str());
   if (found.empty())
     std::puts("no Falcon on the USB; plug it in, directly rather than through a hub");
   return found.empty() ? 1 : 0;

@@ -62,6 +62,7 @@ int run(const Options& o) {
 
 int main(int argc, char** argv) {
   using namespace farhand;
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // in order with stderr, wherever it goes
   falcon_usb::Options o;
   Arguments arguments(
       "A Novint Falcon on the USB: list those there are, info on one, firmware FILE into it, "

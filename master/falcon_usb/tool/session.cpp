@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/program.hpp"
 #include "common/realtime.hpp"
 #include "master/falcon_usb/advice.hpp"
 
@@ -43,6 +44,8 @@ Session::Session(SessionConfig config)
       transport_(std::move(config.serial)),
       driver_(with_firmware(config.driver, firmware_)) {
   catch_stop_signals();
+  // Where this is not permitted other programs may delay questions, which is seen in their rate.
+  schedule_fifo(kLoopPriority);
 }
 
 Session::~Session() {
@@ -61,9 +64,10 @@ void Session::turn(TimePoint now) {
 void Session::advise() {
   const DriverStatus status = driver_.status();
   if (told_ && status.phase == told_->phase && status.trouble == told_->trouble) return;
+  const std::string text = advice(status);
+  if (status.phase == Phase::failed) throw std::runtime_error("the Falcon: " + text);
+  if (!told_ || text != advice(*told_)) std::fprintf(stderr, "%s\n", text.c_str());
   told_ = status;
-  if (status.phase == Phase::failed) throw std::runtime_error("the Falcon: " + advice(status));
-  std::fprintf(stderr, "%s\n", advice(status).c_str());
 }
 
 bool Session::run(Duration most, const std::function<bool(TimePoint)>& done) {
@@ -77,14 +81,16 @@ bool Session::run(Duration most, const std::function<bool(TimePoint)>& done) {
   return false;
 }
 
-bool Session::run_samples(Duration most,
-                          const std::function<bool(TimePoint, const Sample&)>& done) {
+void Session::run_samples(int most, const std::function<bool(TimePoint, const Sample&)>& done) {
+  constexpr Duration kSlowest = std::chrono::milliseconds(20);  // between two of them
   std::optional<TimePoint> last;
-  return run(most, [&](TimePoint now) {
+  run(most * kSlowest, [&](TimePoint now) {
+    const Phase phase = driver_.status().phase;
+    if (phase != Phase::homed && phase != Phase::armed) return true;
     const auto& sample = driver_.sample();
     if (!sample || (last && sample->at == *last)) return false;
     last = sample->at;
-    return done(now, *sample);
+    return done(now, *sample) || --most == 0;
   });
 }
 

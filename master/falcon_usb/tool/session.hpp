@@ -32,8 +32,10 @@ class Session {
   // Ctrl-C. Says on stderr what the user is to do, each time that changes.
   bool run(Duration most, const std::function<bool(TimePoint)>& done);
 
-  // The same, called once for each new sample that can be believed.
-  bool run_samples(Duration most, const std::function<bool(TimePoint, const Sample&)>& done);
+  // The same, called once for each new sample that can be believed, at most so many times: a drive
+  // has them all on a slow machine, too, where there are fewer in a second. Ends when the device is
+  // not homed any more.
+  void run_samples(int most, const std::function<bool(TimePoint, const Sample&)>& done);
 
   // Until the driver is in that phase; throws a sentence if it is not within `most`.
   void reach(Phase phase, Duration most);
