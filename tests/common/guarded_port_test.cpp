@@ -6,16 +6,16 @@ namespace farhand {
 namespace {
 
 constexpr ForceGuardConfig kConfig{};
-const double kStart = kConfig.store - kConfig.reserve;
+const double kSpendable = kConfig.store - kConfig.reserve;
 
 TEST(GuardedPort, CreditsWhatThePeerPutInSinceItWasFirstHeard) {
   GuardedPort port(kConfig);
   port.hear(100);  // ours is a new session, the peer's is not
-  EXPECT_NEAR(port.left(), kStart, 1e-12);
+  EXPECT_NEAR(port.left(), kSpendable, 1e-12);
   port.hear(100.5);
-  EXPECT_NEAR(port.left(), kStart + 0.5, 1e-12);
+  EXPECT_NEAR(port.left(), kSpendable + 0.5, 1e-12);
   port.hear(100.5);
-  EXPECT_NEAR(port.left(), kStart + 0.5, 1e-12);
+  EXPECT_NEAR(port.left(), kSpendable + 0.5, 1e-12);
 }
 
 TEST(GuardedPort, APeerThatBeginsAnewLeavesNoMoreThanTheStore) {
@@ -23,9 +23,9 @@ TEST(GuardedPort, APeerThatBeginsAnewLeavesNoMoreThanTheStore) {
   port.hear(0);
   port.hear(5);
   port.hear(0.1);
-  EXPECT_NEAR(port.left(), kStart, 1e-12);
+  EXPECT_NEAR(port.left(), kSpendable, 1e-12);
   port.hear(0.3);
-  EXPECT_NEAR(port.left(), kStart + 0.2, 1e-12);
+  EXPECT_NEAR(port.left(), kSpendable + 0.2, 1e-12);
 }
 
 TEST(GuardedPort, WhatMovedWhileLetGoIsNoWorkAndForetellsNothing) {

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace farhand {
+namespace farhand::guidance_test {
 namespace {
 
 constexpr unsigned kSeed = 5;
@@ -294,4 +294,4 @@ TEST(Guidance, IsFeltInHandleAxesAndAddsUp) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::guidance_test

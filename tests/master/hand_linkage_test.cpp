@@ -4,7 +4,7 @@
 
 #include "common/random.hpp"
 
-namespace farhand {
+namespace farhand::hand_linkage_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 5;
@@ -82,4 +82,4 @@ TYPED_TEST(HandLinkageTest, TheAcceptedBallIsInside) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::hand_linkage_test

@@ -10,8 +10,6 @@
 namespace farhand {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Checks that velocities are the derivatives of positions, everywhere and without a jump.
 void expect_smooth(const Motion& motion, double until) {
   const double h = 1e-6;
@@ -39,7 +37,8 @@ TEST(Motion, ASineFollowsItsFormulaAwayFromTheCorner) {
   const Motion motion({.sines = {{.from = 2, .frequency = 1, .offset = {0.05, 0, 0}}}});
   EXPECT_EQ(motion.at(1.9).p.x(), 0);
   for (double t = 2; t < 12; t += 0.013) {
-    const double by_formula = 0.05 * std::sin(2 * kPi * (t - 2)) * std::min(1.0, t - 2);
+    const double by_formula =
+        0.05 * std::sin(2 * std::numbers::pi * (t - 2)) * std::min(1.0, t - 2);
     EXPECT_NEAR(motion.at(t).p.x(), by_formula, std::abs(t - 3) < 0.1 ? 1.3e-3 : 1e-12) << t;
   }
 }

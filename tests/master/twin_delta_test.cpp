@@ -6,7 +6,7 @@
 #include "tests/support/golden.hpp"
 #include "tests/support/twin_delta_golden.hpp"
 
-namespace farhand {
+namespace farhand::twin_delta_test {
 namespace {
 
 using golden::moment_first, golden::twin_delta_jacobian, golden::twin_delta_pose;
@@ -397,4 +397,4 @@ TEST(TwinDelta, RandomAnglesNeverGiveNaN) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::twin_delta_test

@@ -7,7 +7,7 @@
 
 #include "common/random.hpp"
 
-namespace farhand {
+namespace farhand::arm_dynamics_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 11;
@@ -110,4 +110,4 @@ TEST(ArmDynamics, ToolVelocityAndWrenchAreDualAndVelocityIsTheSlopeOfThePose) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::arm_dynamics_test

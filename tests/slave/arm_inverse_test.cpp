@@ -6,7 +6,7 @@
 #include "tests/support/arm_reference.hpp"
 #include "tests/support/golden.hpp"
 
-namespace farhand {
+namespace farhand::arm_inverse_test {
 namespace {
 
 constexpr unsigned kSeed = 7103;
@@ -268,4 +268,4 @@ TEST(ArmInverse, AnArmOfEqualLinksFoldsOntoItsShoulder) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::arm_inverse_test

@@ -6,7 +6,7 @@
 #include "slave/arm.hpp"
 #include "tests/support/arm_reference.hpp"
 
-namespace farhand {
+namespace farhand::arm_motion_test {
 namespace {
 
 constexpr unsigned kSeed = 7104;
@@ -224,4 +224,4 @@ TEST(ArmMotion, AStretchedElbowComesBackOnItsOwnSide) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::arm_motion_test

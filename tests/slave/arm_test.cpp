@@ -7,7 +7,7 @@
 #include "tests/support/arm_reference.hpp"
 #include "tests/support/golden.hpp"
 
-namespace farhand {
+namespace farhand::arm_test {
 namespace {
 
 constexpr unsigned kSeed = 7101;
@@ -193,4 +193,4 @@ TEST(Arm, NonFiniteJointsGiveAStatusAndNoNumbers) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::arm_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace farhand {
+namespace farhand::boundary_test {
 namespace {
 
 constexpr unsigned kSeed = 11;
@@ -223,4 +223,4 @@ TEST(Boundary, WanderingFarOutsideNeverBreaksALimit) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::boundary_test
