@@ -212,7 +212,7 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     }
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
-      return busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber) ? EBUSY : 0;
+      return claim(client);
     case USBDEVFS_GETDRIVER:
       return driver(argument);
     case USBDEVFS_SUBMITURB:
@@ -228,6 +228,15 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     default:
       return 0;
   }
+}
+
+// Who has it now leaves nothing behind of who had it before, and may have been killed.
+int MockBus::claim(UMockdevIoctlClient* client) {
+  if (busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber)) return EBUSY;
+  for (const Urb& urb : flying_) umockdev_ioctl_data_unref(urb.data);
+  flying_.clear();
+  reaping_ = false;
+  return 0;
 }
 
 int MockBus::driver(UMockdevIoctlData* argument) const {
