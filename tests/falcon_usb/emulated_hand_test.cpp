@@ -65,5 +65,83 @@ TEST(EmulatedHand, AForceCommandedIsTheForceThatPushesTheHand) {
   }
 }
 
+// A hand that is told what to do, asked once a millisecond.
+struct Told {
+  void wait(double span_s) {
+    for (int i = 0; i < span_s * 1000; ++i) {
+      now += 1ms;
+      device.drive(now, {});
+      grip = device.read(now);
+      arrivals += hand.arrived();
+    }
+  }
+  Vec3 place() const {
+    const Eigen::Vector3i counts(grip.counts[0], grip.counts[1], grip.counts[2]);
+    return forward(kFalconTable1, theta1_from_counts(kFalconTable1, counts)).p_MH;
+  }
+  ScriptedHand hand{HandMotion::none};
+  Mechanism device = hand.mechanism();
+  TimePoint now = kStart;
+  GripState grip;
+  int arrivals = 0;
+};
+
+TEST(EmulatedHand, BringsTheGripWhereItIsToldAndSaysSoOnce) {
+  Told told;
+  told.wait(0.1);
+  told.hand.tell("move 20 -10 110");
+  told.wait(3);
+  EXPECT_LT((told.place() - Vec3(0.02, -0.01, 0.110)).norm(), 0.0005);
+  EXPECT_EQ(told.arrivals, 1);
+  told.hand.tell("home");
+  told.wait(5);
+  EXPECT_LT((told.place() - Vec3(0, 0, 0.120)).norm(), 0.0005);
+  EXPECT_EQ(told.arrivals, 2);
+}
+
+TEST(EmulatedHand, PressesWhatItIsToldUntilItIsToldToRelease) {
+  Told told;
+  told.hand.tell("press centre plus");
+  told.hand.tell("press minus");
+  told.wait(1);
+  EXPECT_EQ(told.grip.buttons, kButtonCentre | kButtonPlus | kButtonMinus);
+  told.hand.tell("release");
+  told.wait(0.01);
+  EXPECT_EQ(told.grip.buttons, 0);
+}
+
+TEST(EmulatedHand, LetGoTheGripSinks) {
+  Told told;
+  told.wait(0.1);
+  told.hand.tell("let go");
+  told.wait(0.3);
+  EXPECT_LT(told.place().y(), -0.01);
+}
+
+TEST(EmulatedHand, WhatItDoesNotUnderstandChangesNothing) {
+  Told told;
+  told.wait(0.1);
+  for (const char* line :
+       {"jump", "move 1 2", "move 1 2 x", "press", "press up", "weight", "let it"})
+    EXPECT_THROW(told.hand.tell(line), std::runtime_error) << line;
+  told.wait(1);
+  EXPECT_LT((told.place() - Vec3(0, 0, 0.120)).norm(), 0.0005);
+  EXPECT_EQ(told.grip.buttons, 0);
+}
+
+// Asked every 10 ms it needs ten times as long.
+TEST(EmulatedHand, WhoAsksSlowlySeesItInSlowMotion) {
+  Told told;
+  told.wait(0.1);
+  told.hand.tell("move 0 0 140");
+  for (int i = 0; i < 100; ++i) {
+    told.now += 9ms;
+    told.wait(0.001);
+  }
+  EXPECT_EQ(told.arrivals, 0);
+  told.wait(1);
+  EXPECT_EQ(told.arrivals, 1);
+}
+
 }  // namespace
 }  // namespace farhand::falcon_usb

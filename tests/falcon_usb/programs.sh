@@ -37,6 +37,13 @@ run -- falcon info --serial other
 ends 1 'the Falcon does not answer; is one plugged in'
 pass "list, info and monitor see it, and not one with another serial number"
 
+status=0
+timeout -k 2 120 "$bin/farhand-falcon-emulator" --firmware-loaded -- bash -c '
+  "$1" monitor 2>"$2" & until grep -qa "grip (" "$2"; do sleep 0.1; done
+  kill -9 $!; "$1" info' - "$bin/farhand-falcon" "$dir/monitor" >"$dir/falcon" 2>&1 </dev/null || status=$?
+ends 0 'firmware +answers' 'exchanges +[1-9][0-9]* per second'
+pass "the next one has the device that a killed one had"
+
 run --busy -- falcon list
 ends 0 'another program has it open; end the other program'
 run --busy -- falcon info

@@ -202,6 +202,7 @@ int MockBus::answer(UMockdevIoctlClient* client) {
   switch (umockdev_ioctl_client_get_request(client)) {
     case USBDEVFS_GET_CAPABILITIES: {
       UMockdevIoctlData* d = umockdev_ioctl_data_resolve(argument, 0, sizeof(guint32), nullptr);
+      if (d == nullptr) return ENODEV;
       const guint32 capabilities = USBDEVFS_CAP_BULK_CONTINUATION |
                                    USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
                                    USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
@@ -211,7 +212,7 @@ int MockBus::answer(UMockdevIoctlClient* client) {
     }
     case USBDEVFS_CLAIMINTERFACE:
     case USBDEVFS_DISCONNECT_CLAIM:
-      return busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber) ? EBUSY : 0;
+      return claim(client);
     case USBDEVFS_GETDRIVER:
       return driver(argument);
     case USBDEVFS_SUBMITURB:
@@ -229,10 +230,20 @@ int MockBus::answer(UMockdevIoctlClient* client) {
   }
 }
 
+// Who has it now leaves nothing behind of who had it before, and may have been killed.
+int MockBus::claim(UMockdevIoctlClient* client) {
+  if (busy_ || umockdev_ioctl_client_get_devnode(client) != node_of(kNumber)) return EBUSY;
+  for (const Urb& urb : flying_) umockdev_ioctl_data_unref(urb.data);
+  flying_.clear();
+  reaping_ = false;
+  return 0;
+}
+
 int MockBus::driver(UMockdevIoctlData* argument) const {
   if (!bound_) return ENODATA;
   UMockdevIoctlData* d =
       umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_getdriver), nullptr);
+  if (d == nullptr) return ENODEV;
   std::strcpy(reinterpret_cast<usbdevfs_getdriver*>(d->data)->driver, "ftdi_sio");
   umockdev_ioctl_data_unref(d);
   return 0;
@@ -241,9 +252,15 @@ int MockBus::driver(UMockdevIoctlData* argument) const {
 int MockBus::submit(UMockdevIoctlData* argument) {
   if (!there_) return ENODEV;
   UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, sizeof(usbdevfs_urb), nullptr);
+  if (data == nullptr) return ENODEV;  // who asked is gone
   Urb urb{data};
-  umockdev_ioctl_data_unref(umockdev_ioctl_data_resolve(
-      data, offsetof(usbdevfs_urb, buffer), static_cast<gsize>(urb.urb().buffer_length), nullptr));
+  UMockdevIoctlData* buffer = umockdev_ioctl_data_resolve(
+      data, offsetof(usbdevfs_urb, buffer), static_cast<gsize>(urb.urb().buffer_length), nullptr);
+  if (buffer == nullptr) {
+    umockdev_ioctl_data_unref(data);
+    return ENODEV;
+  }
+  umockdev_ioctl_data_unref(buffer);
   const unsigned char* bytes = urb.bytes();
   const auto length = static_cast<std::size_t>(urb.urb().buffer_length);
   if (urb.urb().type == USBDEVFS_URB_TYPE_BULK && !urb.reads())
@@ -279,6 +296,7 @@ int MockBus::reap(UMockdevIoctlData* argument) {
     if (!urb->finished) continue;
     urb->urb().status = urb->status;
     UMockdevIoctlData* p = umockdev_ioctl_data_resolve(argument, 0, sizeof(gpointer), nullptr);
+    if (p == nullptr) return ENODEV;
     umockdev_ioctl_data_set_ptr(p, 0, urb->data);
     umockdev_ioctl_data_unref(p);
     umockdev_ioctl_data_unref(urb->data);

@@ -76,6 +76,7 @@ class MockBus {
 
   static gboolean handle(UMockdevIoctlBase*, UMockdevIoctlClient* client, MockBus* self);
   int answer(UMockdevIoctlClient* client);
+  int claim(UMockdevIoctlClient* client);
   int driver(UMockdevIoctlData* argument) const;
   int submit(UMockdevIoctlData* argument);
   void describe(Urb& urb) const;
