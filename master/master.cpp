@@ -23,6 +23,43 @@ Master::Master(const MasterConfig& config)
   tick_.has_ahrs = grip_motion_.has_value();
 }
 
+// Called once, by sample(), and so a part of it: calls would cost more than absent stages may.
+//
+// An arm that leaps is no reading.
+[[gnu::always_inline]] inline void Master::place_handle() noexcept {
+  using Is = JointContinuity::Verdict;
+  const Vec6& theta = tick_.reading.theta;
+  const Is is = continuity_.step(tick_.now, theta);
+  if (is == Is::elsewhere) velocity_.restart();
+  if (is != Is::leapt) return update(handle_, theta, tick_.handle);
+  tick_.handle.status = Status::not_finite;
+}
+
+Equipment Master::equipment() const noexcept {
+  const Status is = tick_.handle.status;
+  if (!tick_.reading.ok) return Equipment::silent;
+  if (is == Status::ok) return when_placed_;
+  return is == Status::not_finite ? Equipment::implausible : Equipment::outside;
+}
+
+[[gnu::always_inline]] inline void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
+  const HandleReading& reading = tick_.reading;
+  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::disconnected;
+  state_ = next_mode(state_,
+                     {.equipment = equipment(),
+                      .connected = slave.connected && slave.newest != nullptr,
+                      .synced = slave.synced,
+                      .fresh = slave.age <= config_.stale,
+                      .partner = partner(other),
+                      .dead_man = reading.dead_man,
+                      .aligned = !alignment_ || slave.newest == nullptr || aligned(*slave.newest),
+                      .reset = reading.clutch && !tick_.out.clutch && !reading.dead_man,
+                      .stop = stop_},
+                     tick_.now);
+  tick_.mode = state_.mode;
+  tick_.reason = state_.reason;
+}
+
 const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
                                     const Peer<SlaveToMaster>& slave) noexcept {
   tick_.now = now;
@@ -41,24 +78,20 @@ const MasterToSlave& Master::sample(TimePoint now, const HandleReading& reading,
   out.q_MH = to_quat(tick_.handle.X_MH.R);
   out.mode = tick_.mode;
   out.reason = tick_.reason;
-  if (compensated_) compensated_->tell(out);
-  if (compensated_ && compensated_->choice() != nullptr)
-    tick_.method_reason = compensated_->choice()->reason;
-  out.has_user_wrench = config_.sends_user_wrench && tick_.user_felt;
-  if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
+  if (compensated_) tell_coupling();
+  if (config_.sends_user_wrench) tell_user();
   return out;
 }
 
-// An arm that leaps is no reading.
-void Master::place_handle() noexcept {
-  using Is = JointContinuity::Verdict;
-  const Vec6& theta = tick_.reading.theta;
-  const Is is = theta.allFinite() ? continuity_.step(tick_.now, theta) : Is::leapt;
-  if (is == Is::elsewhere) velocity_.restart();
-  if (is == Is::leapt)
-    tick_.handle.status = Status::not_finite;
-  else
-    update(handle_, theta, tick_.handle);
+void Master::tell_coupling() noexcept {
+  compensated_->tell(tick_.out);
+  if (const auto* choice = compensated_->choice()) tick_.method_reason = choice->reason;
+}
+
+void Master::tell_user() noexcept {
+  MasterToSlave& out = tick_.out;
+  out.has_user_wrench = tick_.user_felt;
+  if (out.has_user_wrench) out.F_user_M = tick_.handle.R_MG * tick_.F_user_G;
 }
 
 // Where the grip is, the encoders say: forces and guides are those of their kinematics.
@@ -84,31 +117,6 @@ void Master::sense_force() noexcept {
   const TwinDeltaJacobian& J = std::get_if<TwinDeltaHandle>(&handle_)->J;
   tick_.user_felt = J.status == Status::ok;
   tick_.F_user_G = force_sensing_->step(tick_.reading.ends, J);
-}
-
-Equipment Master::equipment() const noexcept {
-  if (!tick_.reading.ok) return Equipment::silent;
-  if (tick_.handle.status == Status::not_finite) return Equipment::implausible;
-  if (tick_.handle.status != Status::ok) return Equipment::outside;
-  return when_placed_;
-}
-
-void Master::decide_mode(const Peer<SlaveToMaster>& slave) noexcept {
-  const HandleReading& reading = tick_.reading;
-  const Mode other = slave.newest != nullptr ? slave.newest->mode : Mode::disconnected;
-  state_ = next_mode(state_,
-                     {.equipment = equipment(),
-                      .connected = slave.connected && slave.newest != nullptr,
-                      .synced = slave.synced,
-                      .fresh = slave.age <= config_.stale,
-                      .partner = partner(other),
-                      .dead_man = reading.dead_man,
-                      .aligned = !alignment_ || slave.newest == nullptr || aligned(*slave.newest),
-                      .reset = reading.clutch && !tick_.out.clutch && !reading.dead_man,
-                      .stop = stop_},
-                     tick_.now);
-  tick_.mode = state_.mode;
-  tick_.reason = state_.reason;
 }
 
 // Once engaged it is judged when the clutch is let go; else the slave, which knows what is coupled

@@ -115,6 +115,8 @@ class Master {
   bool usable() const noexcept;
   void count_presses() noexcept;
   void sense_force() noexcept;
+  void tell_coupling() noexcept;
+  void tell_user() noexcept;
   Wrench environment(const Peer<SlaveToMaster>& slave, double share) noexcept;
   Vec3 pressed_on(const Peer<SlaveToMaster>& slave) const noexcept;
   Wrench drive_to_target(TimePoint now, const Vec3& danger_M) noexcept;

@@ -67,6 +67,7 @@ const Vec6& JointServo::command_rate(const Vec6& q_cmd) noexcept {
 }
 
 void JointServo::turn_back(const Vec6& q) noexcept {
+  if ((q - joints_.upper).cwiseMax(joints_.lower - q).maxCoeff() <= kAtLimit) return;
   for (int i = 0; i < 6; ++i) {
     PidState& s = state_[i];
     const bool above = q[i] > joints_.upper[i] + kAtLimit;

@@ -232,19 +232,18 @@ void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexce
   Vec6 tau = servo_.step(tick_.q_cmd, tick_.robot.q);
   if (config_.user_force && tick_.coupled)
     tau += joint_torques(J, pushed(*config_.user_force, bring(config_.workspace, in->F_user_M)));
-  tau = not_faster(tau);
+  slow_down(tau);
   if (servo_.saturated()) tick_.limits |= kLimitSaturated;
   if (servo_.held_back()) tick_.limits |= kLimitSpeed;
   tick_.tau = limit_joint_torques(tau_max_, tau_step_, tau, tick_.tau, tick_.limits);
 }
 
 // A joint beyond its largest speed, by what others do to it, is driven no further.
-Vec6 Slave::not_faster(const Vec6& tau) const noexcept {
+void Slave::slow_down(Vec6& tau) const noexcept {
   const Vec6& dq = tick_.robot.dq;
-  Vec6 out = tau;
+  if ((dq.cwiseAbs() - config_.joints.speed).maxCoeff() <= 0) return;
   for (int i = 0; i < 6; ++i)
-    if (std::abs(dq[i]) > config_.joints.speed[i] && tau[i] * dq[i] > 0) out[i] = 0;
-  return out;
+    if (std::abs(dq[i]) > config_.joints.speed[i] && tau[i] * dq[i] > 0) tau[i] = 0;
 }
 
 void Slave::answer(const MasterToSlave* in) noexcept {

@@ -5,6 +5,19 @@
 
 namespace farhand {
 
+namespace {
+
+bool near(const Vec6& q, const Vec6& last) {
+  for (int i = 0; i < 6; ++i)
+    if (!(std::abs(q[i] - last[i]) <= 0.05)) return false;
+  return true;
+}
+double since(TimePoint then, TimePoint now) {
+  return seconds(std::clamp(now - then, Duration::zero(), Duration(std::chrono::milliseconds(50))));
+}
+
+}  // namespace
+
 template <bool kRecorded>
 StraightMaster<kRecorded>::StraightMaster(const MasterConfig& config)
     : geometry(std::get<TwinDeltaHandle>(config.handle).geometry),
@@ -17,6 +30,10 @@ const MasterTick& StraightMaster<kRecorded>::tick(TimePoint now, const HandleRea
   MasterToSlave& out = record.out;
   HandlePose& handle = record.handle;
   if (!reading.ok) return record;
+  if (was_read && !near(reading.theta, theta_read) &&
+      (reading.theta - theta_read).cwiseAbs().maxCoeff() > 0.05 + 2 * since(read_at, now) * 20)
+    return record;
+  theta_read = reading.theta, read_at = now, was_read = true;
   const TwinDeltaForward at = forward(geometry, reading.theta);
   if (at.status != Status::ok) return record;
   handle.R_MG = handle_axes(at.pose.axis, handle.R_MG.col(0));
@@ -103,12 +120,10 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   if (master.age > stale) limits |= kLimitStale;
 
   if (!plausible(robot)) return record;
-  const double since =
-      seconds(std::clamp(now - read_at, Duration::zero(), Duration(std::chrono::milliseconds(50))));
-  const Vec6 way = 2 * since * joints.speed + Vec6::Constant(0.05);
-  const bool leapt = was_read && ((robot.q - q_read).cwiseAbs() - way).maxCoeff() > 0;
+  if (was_read && !near(robot.q, q_read) &&
+      ((robot.q - q_read).cwiseAbs() - 2 * since(read_at, now) * joints.speed).maxCoeff() > 0.05)
+    return record;
   q_read = robot.q, read_at = now, was_read = true;
-  if (leapt) return record;
   const ArmKinematics at = kinematics(arm, robot.q);
   out.V_SE = tool_twist(at.J, robot.dq);
   if (!started) {
@@ -141,6 +156,13 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
   const Vec6 allowed = move.cwiseMax(down).cwiseMin(up);
   if (allowed != move) limits |= kLimitSpeed;
   q_cmd = allowed == move ? q_target : Vec6(q_cmd + allowed);
+  if ((robot.q - joints.upper).cwiseMax(joints.lower - robot.q).maxCoeff() > 0.002) {
+    for (int i = 0; i < 6; ++i) {
+      const bool above = robot.q[i] > joints.upper[i] + 0.002;
+      const bool below = robot.q[i] < joints.lower[i] - 0.002;
+      if ((above && state[i].I > 0) || (below && state[i].I < 0)) state[i].I = state[i].I_lost = 0;
+    }
+  }
   Vec6 wanted;
   bool held_back = false;
   for (int i = 0; i < 6; ++i) {
@@ -151,6 +173,10 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
     const double I = state[i].I, I_lost = state[i].I_lost;
     wanted[i] = step(pid[i], state[i], q_cmd[i], robot.q[i], drive[i] - wish);
     if (drive[i] != wish) state[i].I = I, state[i].I_lost = I_lost;
+  }
+  if ((robot.dq.cwiseAbs() - joints.speed).maxCoeff() > 0) {
+    for (int i = 0; i < 6; ++i)
+      if (std::abs(robot.dq[i]) > joints.speed[i] && wanted[i] * robot.dq[i] > 0) wanted[i] = 0;
   }
   if (std::any_of(state.begin(), state.end(), [](const PidState& s) { return s.saturated; }))
     limits |= kLimitSaturated;

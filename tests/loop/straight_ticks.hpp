@@ -22,6 +22,9 @@ struct StraightMaster {
   Duration stale;
   HandleVelocity velocity;
   ModeState mode_state;
+  bool was_read = false;
+  Vec6 theta_read = Vec6::Zero();
+  TimePoint read_at{};
   MasterTick record;
 };
 
