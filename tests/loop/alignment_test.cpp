@@ -12,7 +12,7 @@
 #include "tests/loop/loopback.hpp"
 #include "tests/support/scene_edits.hpp"
 
-namespace farhand {
+namespace farhand::alignment_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -237,4 +237,4 @@ TEST(AlignmentLoop, TheAngleIsRecordedWhereTheSceneHasIt) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::alignment_test

@@ -10,7 +10,7 @@
 #include "tests/loop/truth.hpp"
 #include "tests/support/scene_edits.hpp"
 
-namespace farhand {
+namespace farhand::events_test {
 namespace {
 
 constexpr double kJumpPerMs = 0.5;  // [N]
@@ -227,4 +227,4 @@ TEST(Events, TheHandIsStrongerThanTheClosedLoopAndItsGuidance) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::events_test

@@ -6,7 +6,7 @@
 #include "tests/loop/truth.hpp"
 #include "tests/support/scene_edits.hpp"
 
-namespace farhand {
+namespace farhand::guidance_test {
 namespace {
 
 constexpr double kJumpPerMs = 0.5;  // [N]
@@ -319,4 +319,4 @@ TEST(PositionControl, TheCueTellsOfWhatTheRobotPressesOn) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::guidance_test

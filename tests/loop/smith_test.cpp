@@ -5,7 +5,7 @@
 #include "common/random.hpp"
 #include "tests/loop/pressing.hpp"
 
-namespace farhand {
+namespace farhand::smith_test {
 namespace {
 
 Scene smith_over(double rtt_ms, double wall) {
@@ -93,4 +93,4 @@ TEST(SmithLoop, StaysSafeOverABadNetwork) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::smith_test

@@ -5,7 +5,7 @@
 #include "tests/loop/loopback.hpp"
 #include "tests/support/scene_edits.hpp"
 
-namespace farhand {
+namespace farhand::stall_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -76,4 +76,4 @@ TEST(Stall, AShortOneIsBorne) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::stall_test

@@ -7,7 +7,7 @@
 #include "common/energy_budget.hpp"
 #include "tests/loop/pressing.hpp"
 
-namespace farhand {
+namespace farhand::wave_test {
 namespace {
 
 constexpr double kServo = 20000;  // [N/m] in series with the wall, as the scene says
@@ -82,4 +82,4 @@ TEST(WaveLoop, ResultsAreTheSameWithEveryDatagramTwice) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::wave_test

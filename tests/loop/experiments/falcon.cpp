@@ -9,7 +9,7 @@ namespace farhand {
 namespace {
 
 constexpr double kTarget[3] = {0.025, -0.025, 0.115};
-constexpr double kEnd = 30;
+constexpr double kPushesEnd = 30;
 
 // The plant whose damping gives the published 1.2 s, and a lighter one.
 struct PlantOf {
@@ -96,7 +96,7 @@ Experiment falcon_step() {
 
 Experiment falcon_pushes() {
   return falcon(kPushes, "F2  Falcon, pushes",
-                "The same; then six half-sine pushes of 3 N and 0.5 s from all sides.", kEnd);
+                "The same; then six half-sine pushes of 3 N and 0.5 s from all sides.", kPushesEnd);
 }
 
 }  // namespace farhand

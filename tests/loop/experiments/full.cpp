@@ -14,13 +14,12 @@
 namespace farhand {
 namespace {
 
-struct Contender {
+struct Rival {
   const char* name;
   const char* stages;  // of force_feedback
 };
-constexpr std::array kContenders = {Contender{"open loop", ""},
-                                    Contender{"published gains", "closed_loop {}"},
-                                    Contender{"ours", kOurLoop}};
+constexpr std::array kRivals = {Rival{"open loop", ""}, Rival{"published gains", "closed_loop {}"},
+                                Rival{"ours", kOurLoop}};
 
 constexpr const char* kContactMotion = R"(
   sine { from_s: 1 frequency_hz: 0.3 amplitude_deg: [8, 10, 15] }
@@ -76,8 +75,8 @@ Run run(const Scene& scene, double judged_from, double end) {
 std::array<Run, 3> run_all(const char* motion, const char* wall, double judged_from, double end) {
   std::array<Run, 3> out;
   for (std::size_t i = 0; i < 3; ++i)
-    out[i] = run(parse({.stages = kContenders[i].stages, .motion = motion, .wall = wall}),
-                 judged_from, end);
+    out[i] =
+        run(parse({.stages = kRivals[i].stages, .motion = motion, .wall = wall}), judged_from, end);
   return out;
 }
 
@@ -115,7 +114,7 @@ const char* unit(std::size_t axis) {
 void tell_axes(Experiment& out, const std::array<Run, 3>& runs) {
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 6; ++i)
-      out.figures.push_back({std::string(kContenders[c].name) + ": rms of F_u - F_e, " + kAxes[i],
+      out.figures.push_back({std::string(kRivals[c].name) + ": rms of F_u - F_e, " + kAxes[i],
                              unit(i), "", NAN, runs[c].difference[i].value()});
 }
 
@@ -148,7 +147,7 @@ Experiment free_motion_full() {
   tell_axes(out, runs);
   tell_corners(out);
   for (std::size_t c = 0; c < 3; ++c)
-    out.charts.push_back(six_axes(runs[c], kContenders[c].name, kFrom, kFrom + 4));
+    out.charts.push_back(six_axes(runs[c], kRivals[c].name, kFrom, kFrom + 4));
   return out;
 }
 
@@ -162,11 +161,11 @@ Experiment contact_full() {
   const double open = runs[0].difference[0].value();
   for (std::size_t c = 1; c < 3; ++c)
     out.figures.push_back(
-        {std::string("H3, ") + kContenders[c].name + ": share of the open loop's, F_x", "%", "",
-         NAN, 100 * runs[c].difference[0].value() / open});
+        {std::string("H3, ") + kRivals[c].name + ": share of the open loop's, F_x", "%", "", NAN,
+         100 * runs[c].difference[0].value() / open});
   tell_axes(out, runs);
   for (std::size_t c = 0; c < 3; ++c) {
-    Chart chart{.title = "Handle and robot", .subtitle = kContenders[c].name, .panel_height = 150};
+    Chart chart{.title = "Handle and robot", .subtitle = kRivals[c].name, .panel_height = 150};
     chart.panels = {over_time("position [mm]", 0, kEnd,
                               {drawn(runs[c].handle, "handle", 0, 0, kEnd, 1e3),
                                drawn(runs[c].robot, "robot", 1, 0, kEnd, 1e3)}),
@@ -176,7 +175,7 @@ Experiment contact_full() {
     out.charts.push_back(std::move(chart));
   }
   for (std::size_t c = 0; c < 3; ++c)
-    out.charts.push_back(six_axes(runs[c], kContenders[c].name, kFrom, kEnd));
+    out.charts.push_back(six_axes(runs[c], kRivals[c].name, kFrom, kEnd));
   return out;
 }
 
