@@ -10,7 +10,7 @@
 #include "common/crc32c.hpp"
 #include "common/random.hpp"
 
-namespace farhand {
+namespace farhand::channel_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -102,4 +102,4 @@ TEST(Channel, TheFrameIsLaidOutAsDocumented) {
 }
 
 }  // namespace
-}  // namespace farhand
+}  // namespace farhand::channel_test
