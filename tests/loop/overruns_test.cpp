@@ -83,7 +83,7 @@ TEST_F(Overruns, OfTheMasterAreCountedExactlyAndLaidAtTheRightDoor) {
   AnyDevice device = make_device(scene, {}, 1);
   Counted counted;
   Recorder<MasterRecord> recorder([&](const MasterRecord& r) { counted.add(r.timing); });
-  MasterLoop loop({.period = kPeriod}, master, device, nullptr, nullptr, recorder);
+  MasterLoop loop({.period = kPeriod}, master, device, nullptr, nullptr, nullptr, recorder);
   const Counted expected = provoke(loop, kPeriod);
   recorder.stop();
   ASSERT_EQ(recorder.lost(), 0u);
@@ -157,7 +157,8 @@ TEST_F(Spin, OfTheMasterBeginsWithTheWaitForTheAnswer) {
     AnyDevice device = make_device(scene, {}, 1);
     MasterLink link({.session = 1, .scene_hash = scene.shared_hash});
     Recorder<MasterRecord> recorder([](const MasterRecord&) {});
-    MasterLoop loop({.period = kPeriod, .spin = spin}, master, device, &link, &socket, recorder);
+    MasterLoop loop({.period = kPeriod, .spin = spin}, master, device, &link, &socket, nullptr,
+                    recorder);
     virtual_clock.now = Duration::zero();  // where a loop that nobody runs begins
     virtual_clock.polls_at_once = 0;
     for (int i = 0; i < kTurns; ++i) loop.turn();
