@@ -28,7 +28,8 @@ void add(Findings& to, const Findings& more) {
 }
 
 // In the order in which a loop is entered, so that the last, the wake-ups, are those of the loop.
-Findings examine(const proto::Scene& scene, const RealtimeConfig& realtime) {
+// refused: what it means that a loop would jitter.
+Findings examine(const proto::Scene& scene, const RealtimeConfig& realtime, Level refused) {
   const std::filesystem::path root = "/";
   constexpr int kSleepSeconds = 1;
   // A tick is done after a quarter of the period, spinning apart.
@@ -41,8 +42,8 @@ Findings examine(const proto::Scene& scene, const RealtimeConfig& realtime) {
                clock_source(root),
                throttling(root, share),
                memory(root),
-               memory_lock(lock_memory()),
-               scheduling(schedule_fifo(kLoopPriority), kLoopPriority)};
+               memory_lock(lock_memory(), refused),
+               scheduling(schedule_fifo(kLoopPriority), kLoopPriority, refused)};
   const Duration period = from_seconds(1 / scene.rate_hz());
   const auto before = stolen_time(root);
   const Lateness late =
@@ -70,8 +71,12 @@ int run(const std::string& side, const ProgramOptions& options, const Look& more
   if (scene) add(findings, serial_line(side, scene->proto));
   if (scene && more) add(findings, more(*scene));
   const proto::Scene words = scene ? scene->proto : proto::Scene();
-  add(findings, examine(words, realtime_config(side == "master" ? words.master().realtime()
-                                                                : words.slave().realtime())));
+  const bool master = side == "master";
+  const RealtimeConfig realtime =
+      realtime_config(master ? words.master().realtime() : words.slave().realtime());
+  // As degraded_refusal.
+  const bool starts = !master || !words.master().has_falcon_usb() || realtime.allow_degraded;
+  add(findings, examine(words, realtime, starts ? Level::warning : Level::problem));
   std::fputs(to_text(findings).c_str(), stdout);
   return count(findings, Level::problem) > 0 ? 1 : 0;
 }

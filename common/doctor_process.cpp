@@ -47,14 +47,14 @@ Finding build(const Build& build) {
   return {Level::warning, "build", slow + ": run what cmake --preset release builds"};
 }
 
-Finding scheduling(int error, int priority) {
+Finding scheduling(int error, int priority, Level refused) {
   if (error == 0) return {Level::ok, "scheduling", fmt::format("SCHED_FIFO at {}", priority)};
-  return {Level::warning, "scheduling", scheduling_refusal(error)};
+  return {refused, "scheduling", scheduling_refusal(error)};
 }
 
-Finding memory_lock(int error) {
+Finding memory_lock(int error, Level refused) {
   if (error == 0) return {Level::ok, "memory lock", "granted"};
-  return {Level::warning, "memory lock", memory_refusal(error)};
+  return {refused, "memory lock", memory_refusal(error)};
 }
 
 Lateness measure_lateness(Duration period, Duration spin, int sleeps) noexcept {

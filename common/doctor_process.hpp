@@ -15,9 +15,9 @@ struct Build {
 Build this_build() noexcept;
 Finding build(const Build& build);
 
-// `error` is that of schedule_fifo and of lock_memory.
-Finding scheduling(int error, int priority);
-Finding memory_lock(int error);
+// `error` is that of schedule_fifo and of lock_memory; `refused` how grave one is.
+Finding scheduling(int error, int priority, Level refused = Level::warning);
+Finding memory_lock(int error, Level refused = Level::warning);
 
 // Of sleeps to the begin of each period, in the mode the calling thread is in.
 struct Lateness {

@@ -226,8 +226,8 @@ constexpr const char* to_string(Reason reason) noexcept {
       "release the dead-man",
       "turn the handle to the robot's orientation",
       "stopped",
-      "waiting a second for the attitude sensor on the grip; if it lasts, check its cable and "
-      "settings"};
+      ("waiting a second for the attitude sensor on the grip; if it lasts, check its cable and "
+       "settings")};
   return kSentences[static_cast<int>(reason)];
 }
 

@@ -152,6 +152,8 @@ TEST(DoctorProcess, RefusalsComeWithTheirRemedy) {
   expect(scheduling(EPERM, 80), Level::warning, "raise the rtprio limit");
   EXPECT_EQ(memory_lock(0).level, Level::ok);
   expect(memory_lock(ENOMEM), Level::warning, "raise the memlock limit");
+  EXPECT_EQ(scheduling(EPERM, 80, Level::problem).level, Level::problem);
+  EXPECT_EQ(memory_lock(ENOMEM, Level::problem).level, Level::problem);
 }
 
 TEST(DoctorProcess, WakeUpsAreJudgedByTheirPeriod) {

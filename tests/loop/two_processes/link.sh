@@ -18,8 +18,12 @@ for signal in INT TERM; do
   pass "engages at each press, ends in order on SIG$signal"
 done
 
+# What is killed is engaged then, however late the kill comes: the first press lasts.
+held="$dir/held.textproto"
+sed -e 's/at_s: 1 lasting_s: 1 /at_s: 1 lasting_s: 3.5 /' -e '/at_s: 3 lasting_s/d' "$scene" >"$held"
+
 start_slave
-start_master
+start_master "$held"
 wait_for slave 'READY -> ENGAGED' 1
 kill_hard master
 wait_for slave 'ENGAGED -> HOLDING' 1
@@ -33,7 +37,7 @@ end INT master slave
 pass "kill -9 of the master: the robot is held, then ready for a new master, and moves only after a new press"
 
 start_slave
-start_master
+start_master "$held"
 wait_for master 'READY -> ENGAGED' 1
 kill_hard slave
 wait_for master 'ENGAGED -> HOLDING' 1
@@ -70,7 +74,7 @@ for signal in INT TERM; do
   relayed=$((port + 1))
   start slave "$scene" --quiet --listen "127.0.0.1:$port"
   start impair --listen "127.0.0.1:$relayed" --to "127.0.0.1:$port" --both 'delay_ms: 20 loss_ratio: 0.01'
-  start master "$scene" --quiet --slave "127.0.0.1:$relayed"
+  start master "$held" --quiet --slave "127.0.0.1:$relayed"
   wait_for slave 'READY -> ENGAGED' 1
   wait_for master 'READY -> ENGAGED' 1
   kill_hard impair
