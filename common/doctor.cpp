@@ -68,7 +68,6 @@ int run(const std::string& side, const ProgramOptions& options, const Look& more
   std::optional<Scene> scene;
   Findings findings{scene_file(options.scene, scene)};
   if (scene) add(findings, link(side, options, *scene));
-  if (scene) add(findings, serial_line(side, scene->proto));
   if (scene && more) add(findings, more(*scene));
   const proto::Scene words = scene ? scene->proto : proto::Scene();
   const bool master = side == "master";

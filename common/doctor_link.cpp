@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/scene_credentials.hpp"
-#include "common/serial_line.hpp"
 
 namespace farhand::doctor {
 namespace {
@@ -117,14 +116,6 @@ Finding credentials(const Scene& scene, DtlsRole role) {
   } catch (const std::exception& e) {
     return {Level::problem, l.has_certificates() ? "certificate" : "key", e.what()};
   }
-}
-
-Findings serial_line(const std::string& side, const proto::Scene& scene) {
-  if (side != "master" || !scene.master().ahrs().has_serial()) return {};
-  const auto& line = scene.master().ahrs().serial();
-  const std::string fault = line_fault(line.path());
-  if (!fault.empty()) return {{Level::problem, "ahrs", fault}};
-  return {{Level::ok, "ahrs", fmt::format("{} may be read, at {} baud", line.path(), line.baud())}};
 }
 
 }  // namespace farhand::doctor

@@ -1,5 +1,4 @@
-// The doctor on the scene, its link's addresses, its key or certificates, and a sensor's serial
-// line.
+// The doctor on the scene, its link's addresses, and its key or certificates.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +22,5 @@ Finding receive_buffer(std::size_t bytes, const proto::Scene& scene);
 
 // Its key or certificates, as the client (a master) or the server needs them.
 Finding credentials(const Scene& scene, DtlsRole role);
-
-// The serial line of the master's AHRS, which is not opened; none without one, or on the slave.
-Findings serial_line(const std::string& side, const proto::Scene& scene);
 
 }  // namespace farhand::doctor

@@ -27,7 +27,7 @@ struct ForceGuardConfig {
   double store = kEnergyStore;   // E0 [J]
   double reserve = 0.005;        // [J] of it, for what a tick does not foresee; > 0
   double max_damping = 50;       // [N s/m], [N m s] beyond what stops the outflow: the device's
-  double max_speed = 2;          // [m/s], [rad/s]: a step beyond it is a wrong reading and no work
+  double max_speed = 5;          // [m/s], [rad/s]: a step beyond it is a wrong reading and no work
   bool returns_surplus = false;  // see EnergyBudget
 };
 

@@ -41,10 +41,9 @@ struct ProgramOptions {
   }
 };
 
-// Parses the arguments, runs `body`, or the doctor if it was asked for, which then looks at what
-// `more` does, too, and turns what it throws
-// into one line on stderr. Exit status: what body returns, 1 after an error, 2 for arguments that
-// make no sense.
+// Parses the arguments, runs `body`, or the doctor if it was asked for, which looks at what `more`
+// does, too, and turns what it throws into one line on stderr. Exit status: what body returns, 1
+// after an error, 2 for arguments that make no sense.
 int run_program(int argc, char** argv, const std::string& name, const std::string& description,
                 const std::function<int(const ProgramOptions&)>& body,
                 const doctor::Look& more = {});

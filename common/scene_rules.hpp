@@ -28,8 +28,8 @@ using SceneRules = std::vector<SceneRule>;
 
 // The tables.
 void add_master_rules(SceneRules& rules);  // the scene as a whole and the master's side
-void add_ahrs_rules(SceneRules& rules);
-void add_slave_rules(SceneRules& rules);  // the slave's side and the link
+void add_ahrs_rules(SceneRules& rules);    // how a Falcon's grip is turned
+void add_slave_rules(SceneRules& rules);   // the slave's side and the link
 void add_bilateral_rules(SceneRules& rules);
 void add_compensation_rules(SceneRules& rules);
 void add_deadband_rules(SceneRules& rules);
@@ -98,26 +98,6 @@ void not_on_falcon(SceneRules& rules, std::initializer_list<const char*> fields)
         },
         "means nothing on a Falcon, which neither turns nor feels force",
         "remove it, or use the twin_delta handle");
-  }
-}
-
-// How a grip is turned is known of a Falcon's only by an AHRS; a simulated hand turns it only for a
-// simulated one.
-inline bool knows_turns(const proto::Scene& s) {
-  return !s.master().has_falcon() || s.master().has_ahrs();
-}
-inline bool makes_turns(const proto::Scene& s) {
-  return !s.master().has_falcon() || s.master().ahrs().has_simulated();
-}
-template <typename M>
-void only_if(SceneRules& rules, bool (*turns)(const proto::Scene&), const char* remedy,
-             std::initializer_list<const char*> fields) {
-  for (const char* name : fields) {
-    const auto* field = M::descriptor()->FindFieldByName(name);
-    rule<M>(
-        rules, name,
-        [turns, field](const proto::Scene& s, const M& m) { return !turns(s) && given(m, *field); },
-        "means nothing on a Falcon whose grip never turns", remedy);
   }
 }
 

@@ -1,5 +1,5 @@
+#include "common/line_rates.hpp"
 #include "common/scene_rules.hpp"
-#include "common/serial_line.hpp"
 
 namespace farhand {
 namespace {
@@ -47,6 +47,26 @@ void sensor_rules(SceneRules& r) {
   rule<S>(
       r, "baud", [](const S& s) { return !line_runs_at(s.baud()); }, "is no rate of a serial line",
       std::string("give ") + kLineRatesListed);
+}
+
+// How a grip is turned is known of a Falcon's only by an AHRS; a simulated hand turns it only for a
+// simulated one.
+bool knows_turns(const proto::Scene& s) {
+  return !s.master().has_falcon() || s.master().has_ahrs();
+}
+bool makes_turns(const proto::Scene& s) {
+  return !s.master().has_falcon() || s.master().ahrs().has_simulated();
+}
+template <typename M>
+void only_if(SceneRules& rules, bool (*turns)(const proto::Scene&), const char* remedy,
+             std::initializer_list<const char*> fields) {
+  for (const char* name : fields) {
+    const auto* field = M::descriptor()->FindFieldByName(name);
+    rule<M>(
+        rules, name,
+        [turns, field](const proto::Scene& s, const M& m) { return !turns(s) && given(m, *field); },
+        "means nothing on a Falcon whose grip never turns", remedy);
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "common/processors.hpp"
 #include "common/program.hpp"
 #include "common/scene_network.hpp"
+#include "master/ahrs/line_fault.hpp"
 #include "master/build.hpp"
 #include "master/build_ahrs.hpp"
 #include "master/falcon_usb/doctor.hpp"
@@ -70,5 +71,9 @@ int main(int argc, char** argv) {
         if (file) std::fputs(file->end().c_str(), stdout);
         return 0;
       },
-      falcon_usb::examine);
+      [](const Scene& scene) {
+        doctor::Findings out = falcon_usb::examine(scene);
+        for (auto& finding : examine_ahrs(scene)) out.push_back(std::move(finding));
+        return out;
+      });
 }

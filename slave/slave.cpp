@@ -239,11 +239,14 @@ void Slave::command_joints(const ArmJacobian& J, const MasterToSlave* in) noexce
 }
 
 // A joint beyond its largest speed, by what others do to it, is driven no further.
-void Slave::slow_down(Vec6& tau) const noexcept {
+void Slave::slow_down(Vec6& tau) noexcept {
   const Vec6& dq = tick_.robot.dq;
   if ((dq.cwiseAbs() - config_.joints.speed).maxCoeff() <= 0) return;
-  for (int i = 0; i < 6; ++i)
-    if (std::abs(dq[i]) > config_.joints.speed[i] && tau[i] * dq[i] > 0) tau[i] = 0;
+  for (int i = 0; i < 6; ++i) {
+    if (std::abs(dq[i]) <= config_.joints.speed[i] || tau[i] * dq[i] <= 0) continue;
+    tau[i] = 0;
+    tick_.limits |= kLimitSpeed;
+  }
 }
 
 void Slave::answer(const MasterToSlave* in) noexcept {

@@ -99,7 +99,7 @@ class Slave {
   void follow_compensated(const Peer<MasterToSlave>& master) noexcept;
   void reach() noexcept;
   void command_joints(const ArmJacobian& J, const MasterToSlave* in) noexcept;
-  void slow_down(Vec6& tau) const noexcept;
+  void slow_down(Vec6& tau) noexcept;
   void answer(const MasterToSlave* in) noexcept;
   void tell_where() noexcept;
 

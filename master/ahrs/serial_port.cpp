@@ -8,7 +8,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "common/serial_line.hpp"
+#include "common/line_rates.hpp"
+#include "master/ahrs/line_fault.hpp"
 
 namespace farhand {
 namespace {

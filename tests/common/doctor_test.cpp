@@ -9,7 +9,6 @@
 #include "common/doctor_machine.hpp"
 #include "common/doctor_process.hpp"
 #include "common/key_file.hpp"
-#include "common/serial_line.hpp"
 #include "tests/support/temporary_file.hpp"
 #include "tests/support/test_credentials.hpp"
 
@@ -267,22 +266,6 @@ TEST(DoctorLink, ASceneWithoutASlaveHasNoAddressAndIsNoneForASlave) {
   expect(link("slave", {}, alone).front(), Level::problem, "no slave");
   expect(link("master", {.slave = "127.0.0.1:1"}, alone).front(), Level::problem,
          "leave out --slave");
-}
-
-TEST(DoctorLink, TheSerialLineOfAnAhrsMayBeRead) {
-  const auto of = [](const std::string& side, const std::string& path) {
-    return serial_line(
-        side, parse_scene("master { falcon {} sim_hand {} ahrs { serial { path: \"" + path +
-                              "\" } } } slave { sim_arm {} workspace {} joint_pid {} }",
-                          "test")
-                  .proto);
-  };
-  expect(of("master", "/dev/no_such_line").front(), Level::problem, "plug the AHRS in");
-  expect(of("master", FARHAND_SOURCE_DIR "/README.md").front(), Level::problem, "/dev/ttyUSB0");
-  expect(of("master", "/dev/null").front(), Level::ok, "115200 baud");  // by all that is asked
-  EXPECT_TRUE(of("slave", "/dev/no_such_line").empty());
-  EXPECT_NE(unreadable_line("/dev/ttyS0", EACCES).find("usermod -aG"), std::string::npos);
-  EXPECT_NE(unreadable_line("/dev/ttyS0", EBUSY).find("stop that one"), std::string::npos);
 }
 
 TEST(Doctor, PrintsALineEachAndCounts) {

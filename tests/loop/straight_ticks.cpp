@@ -175,8 +175,11 @@ const SlaveTick& StraightSlave<kRecorded>::tick(TimePoint now, const Peer<Master
     if (drive[i] != wish) state[i].I = I, state[i].I_lost = I_lost;
   }
   if ((robot.dq.cwiseAbs() - joints.speed).maxCoeff() > 0) {
-    for (int i = 0; i < 6; ++i)
-      if (std::abs(robot.dq[i]) > joints.speed[i] && wanted[i] * robot.dq[i] > 0) wanted[i] = 0;
+    for (int i = 0; i < 6; ++i) {
+      if (std::abs(robot.dq[i]) <= joints.speed[i] || wanted[i] * robot.dq[i] <= 0) continue;
+      wanted[i] = 0;
+      limits |= kLimitSpeed;
+    }
   }
   if (std::any_of(state.begin(), state.end(), [](const PidState& s) { return s.saturated; }))
     limits |= kLimitSaturated;

@@ -10,6 +10,7 @@
 #include "common/recorder.hpp"
 #include "common/scene.hpp"
 #include "master/ahrs/ahrs_line.hpp"
+#include "master/ahrs/line_fault.hpp"
 #include "master/build.hpp"
 #include "master/build_ahrs.hpp"
 
@@ -146,6 +147,27 @@ TEST(SerialPort, RefusesInASentence) {
   EXPECT_NE(missing.find("plug the AHRS in"), std::string::npos);
   EXPECT_NE(why("/dev/null", 115200).find("is no serial line"), std::string::npos);
   EXPECT_NE(why("/dev/null", 12345).find("12345 baud"), std::string::npos);
+}
+
+TEST(LineFault, TheDoctorSaysWhetherASerialLineMayBeRead) {
+  using doctor::Level;
+  const auto expect = [](const std::string& path, Level level, const char* part) {
+    const auto findings =
+        examine_ahrs(parse_scene("master { falcon {} sim_hand {} ahrs { serial { path: \"" + path +
+                                     "\" } } } slave { sim_arm {} workspace {} joint_pid {} }",
+                                 "test"));
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].level, level) << path;
+    EXPECT_NE(findings[0].text.find(part), std::string::npos) << findings[0].text;
+  };
+  expect("/dev/no_such_line", Level::problem, "plug the AHRS in");
+  expect(FARHAND_SOURCE_DIR "/README.md", Level::problem, "/dev/ttyUSB0");
+  expect("/dev/null", Level::ok, "115200 baud");  // by all that is asked
+  EXPECT_TRUE(
+      examine_ahrs(parse_scene("master { falcon {} sim_hand {} position_control {} }", "test"))
+          .empty());
+  EXPECT_NE(unreadable_line("/dev/ttyS0", EACCES).find("usermod -aG"), std::string::npos);
+  EXPECT_NE(unreadable_line("/dev/ttyS0", EBUSY).find("stop that one"), std::string::npos);
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ bool AtLimit::off_target(const SlaveTick& t) const noexcept {
 bool AtLimit::joints_at_limit(const SlaveTick& t, const Vec6& q) const noexcept {
   constexpr double kNear = 0.9;
   const SlaveConfig& c = loop_.slave()->config();
+  if ((t.robot.dq.cwiseAbs() - c.joints.speed).maxCoeff() > 0) return true;
   const PidConfig gains = joint_gains(c.servo, 1, 1);
   const Vec6 asked = (dq_cmd_.cwiseAbs() + gains.kp / gains.kd * (t.q_cmd - q).cwiseAbs())
                          .cwiseQuotient(c.joints.speed);

@@ -1,6 +1,7 @@
-#include "common/serial_line.hpp"
+#include "master/ahrs/line_fault.hpp"
 
 #include <grp.h>
+#include <spdlog/fmt/fmt.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -45,6 +46,15 @@ std::string line_fault(const std::string& path) {
   if (error == 0 && !S_ISCHR(what.st_mode)) error = ENOTTY;
   if (error == 0 && access(path.c_str(), R_OK) != 0) error = errno;
   return error == 0 ? std::string() : path + " " + unreadable_line(path, error);
+}
+
+doctor::Findings examine_ahrs(const Scene& scene) {
+  using doctor::Level;
+  if (!scene.proto.master().ahrs().has_serial()) return {};
+  const auto& line = scene.proto.master().ahrs().serial();
+  const std::string fault = line_fault(line.path());
+  if (!fault.empty()) return {{Level::problem, "ahrs", fault}};
+  return {{Level::ok, "ahrs", fmt::format("{} may be read, at {} baud", line.path(), line.baud())}};
 }
 
 }  // namespace farhand

@@ -1,10 +1,9 @@
-// What can be said of a serial line without opening it: some devices restart when it is opened.
+// The rates [baud] of a serial line.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <string>
 
 namespace farhand {
 
@@ -16,11 +15,5 @@ inline constexpr const char* kLineRatesListed =
 constexpr bool line_runs_at(std::uint64_t baud) noexcept {
   return std::find(kLineRates.begin(), kLineRates.end(), baud) != kLineRates.end();
 }
-
-// "cannot be read (why); what to do about it", for an errno that opening the path gave or would.
-std::string unreadable_line(const std::string& path, int error);
-
-// The same by asking the system, with the path in front; empty if this process may read it.
-std::string line_fault(const std::string& path);
 
 }  // namespace farhand
