@@ -145,11 +145,10 @@ TEST(AhrsScene, LossHoldsTheOrientationTranslationGoesOnAndReturnIsSlow) {
   };
   loop.run();
   std::printf(
-      "falcon_ahrs, no sample for 2 s: orientation off by %.1f deg meanwhile, %.2f deg 4 s later; "
-      "beyond "
-      "its rate (%.0f deg/s at most) it turns by %.4f deg a tick; the command by %.3f deg a tick; "
-      "the handle "
-      "moves on by %.0f mm\n",
+      "falcon_ahrs, no sample for 2 s: orientation off by %.1f deg meanwhile, %.2f deg 4 s later;\n"
+      "beyond its rate (%.0f deg/s at most) it turns by %.4f deg a tick; the command by %.3f deg "
+      "a\n"
+      "tick; the handle moves on by %.0f mm\n",
       off_in * kDegrees, off_after * kDegrees, rate * kDegrees, beyond * kDegrees, step * kDegrees,
       1e3 * way);
   EXPECT_TRUE(lost && came_back);
