@@ -67,18 +67,23 @@ WaveTargetConfig wave_target(const proto::Scene& scene, const SlaveConfig& slave
   return c;
 }
 
+// Some five times the sensor's noise [N], [N m].
+constexpr double kNoContact = 0.25, kNoContactTorque = 0.01;
+
 DirectTargetConfig direct_target(const proto::Scene& scene, const SlaveConfig& slave) {
   const Duration conceal = milliseconds(scene.compensation().direct().conceal_ms());
   DirectTargetConfig c;
   c.max_speed = handle_speed(slave);
   c.max_turn_rate = slave.workspace.rotation_step / slave.Ts;
   c.translation.Ts = slave.Ts;
+  c.translation.noise = kNoContact * slave.workspace.force_scale;
   c.translation.returns_surplus = true;
   c.concealment = {.full = conceal, .fade = std::max(conceal, Duration(1))};
   if (!couples_rotation(scene)) return c;
   c.rotation = VelocityGuardConfig{.Ts = slave.Ts,
                                    .store = DampedTurnConfig{}.guard.store,
                                    .drift_speed = 0.5,
+                                   .noise = kNoContactTorque * slave.workspace.force_scale,
                                    .returns_surplus = true};
   return c;
 }

@@ -5,15 +5,20 @@
 namespace farhand {
 
 Vec3 VelocityGuard::step(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept {
-  const Vec3 out = allowed(v, stretch, F_e);
-  budget_.charge(-config_.Ts * out.dot(F_e));
+  const Vec3 F = contact(F_e), out = allowed(v, stretch, F);
+  budget_.charge(-config_.Ts * out.dot(F));
   return out;
 }
 
 Vec3 VelocityGuard::step(const Vec3& v, const Vec3& stretch, const Vec3& F_e,
                          const Vec3& moved) noexcept {
-  budget_.charge(-moved.dot(F_e));
-  return allowed(v, stretch, F_e);
+  const Vec3 F = contact(F_e);
+  budget_.charge(-moved.dot(F));
+  return allowed(v, stretch, F);
+}
+
+Vec3 VelocityGuard::contact(const Vec3& F_e) const noexcept {
+  return F_e - clamp_norm(F_e, config_.noise);
 }
 
 Vec3 VelocityGuard::allowed(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept {

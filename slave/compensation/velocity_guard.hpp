@@ -8,6 +8,10 @@
 // The target then lags behind the handle. Where the method has no spring of its own to bring it
 // back, drift compensation does (Chawda and O'Malley 2014, Coelho et al. 2019):
 // v_add = stretch / tau, limited, and only from a surplus of energy. Gaps as at the master's.
+//
+// A guard whose store is spent lets nothing through that could give energy; in free motion the
+// noise of F_e would say what. So F_e counts by what it exceeds that, whichever way energy flows.
+// What a robot gives to something that it slides along with less is not counted.
 #pragma once
 
 #include "common/energy_budget.hpp"
@@ -20,6 +24,7 @@ struct VelocityGuardConfig {
   double store = kEnergyStore;   // E0 [J]
   double drift_time = 0.05;      // tau [s]
   double drift_speed = 0.05;     // [m/s], [rad/s]
+  double noise = 0;              // [N], [N m] of F_e that is none
   bool returns_surplus = false;  // see EnergyBudget
 };
 
@@ -42,6 +47,7 @@ class VelocityGuard {
   bool acting() const noexcept { return acting_; }
 
  private:
+  Vec3 contact(const Vec3& F_e) const noexcept;
   Vec3 allowed(const Vec3& v, const Vec3& stretch, const Vec3& F_e) noexcept;
   Vec3 drift(const Vec3& v, const Vec3& stretch, const Vec3& F_e) const noexcept;
 

@@ -65,6 +65,16 @@ TEST(VelocityGuard, TakesDriftBackOnlyFromASurplus) {
   EXPECT_NEAR(guard.budget().left(), 0, 1e-15);
 }
 
+TEST(VelocityGuard, GoesByNoForceThatIsNoise) {
+  VelocityGuard guard({.store = 0, .drift_time = 0.05, .drift_speed = 0.05, .noise = 0.25});
+  const Vec3 v(0.03, 0, 0.1), off(0, 0, 0.001), moved = 0.001 * v;
+  for (const double f : {-0.25, -0.1, 0.1, 0.25})
+    EXPECT_LT((guard.step(v, off, Vec3(0, 0, f), moved) - Vec3(0.03, 0, 0.12)).norm(), 1e-12) << f;
+  EXPECT_EQ(guard.budget().left(), 0);
+  EXPECT_NEAR(guard.step(v, off, Vec3(0, 0, 0.3), moved).z(), 0, 1e-12);
+  EXPECT_NEAR(guard.budget().out(), 0.05 * moved.z(), 1e-12);
+}
+
 std::vector<std::unique_ptr<Guarded>> guarded_methods() {
   std::vector<std::unique_ptr<Guarded>> out;
   out.push_back(std::make_unique<Damped>());
