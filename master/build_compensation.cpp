@@ -33,6 +33,7 @@ MediatedCouplingConfig mediated_coupling(const proto::Scene& scene, double Ts) {
   const proto::MediatedCompensation& m = mediated(scene);
   MediatedCouplingConfig c;
   c.renderer = {.Ts = Ts, .agree_time = m.agree_ms() * 1e-3, .drag = m.drag_newton_s_per_m()};
+  c.tank.cap = m.max_tank_joule();
   c.max_force = scene.master().force_feedback().max_force_newton();
   return c;
 }

@@ -18,7 +18,7 @@ ChosenCoupling::ChosenCoupling(const ChosenCouplingConfig& c) noexcept
 Wrench ChosenCoupling::step(const CouplingInputs& in) noexcept {
   choose(in);
   const LocalWall& wall = in.robot.wall;
-  const double allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
+  const OperatorAllowance allowed = tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts);
   const double share = fade_in_.step(in.share, Ts_);
   CouplingInputs blended = in;
   blended.share = share * blend_.step(Ts_);
@@ -44,7 +44,7 @@ void ChosenCoupling::choose(const CouplingInputs& in) noexcept {
   mediated_.let_go();
 }
 
-Wrench ChosenCoupling::force(const CouplingInputs& in, double allowed) noexcept {
+Wrench ChosenCoupling::force(const CouplingInputs& in, const OperatorAllowance& allowed) noexcept {
   switch (choice_.method) {
     case Method::mmt:
       return mediated_.render(in, allowed);
@@ -56,10 +56,10 @@ Wrench ChosenCoupling::force(const CouplingInputs& in, double allowed) noexcept 
 }
 
 // The contact force as it comes; what drives the hand must have been put in.
-Wrench ChosenCoupling::direct(const CouplingInputs& in, double allowed) noexcept {
-  ringing_ = allowed < 1;
+Wrench ChosenCoupling::direct(const CouplingInputs& in, const OperatorAllowance& allowed) noexcept {
+  ringing_ = allowed.share < 1;
   Vec3 F_M = in.share * clamp_norm(in.robot.F_E_M.force, max_force_);
-  if (F_M.dot(in.V_MH.linear) < 0) F_M *= allowed;
+  if (F_M.dot(in.V_MH.linear) < 0) F_M *= allowed.share;
   return {.force = in.handle.R_MG.transpose() * F_M};
 }
 

@@ -37,8 +37,8 @@ class ChosenCoupling {
 
  private:
   void choose(const CouplingInputs& in) noexcept;
-  Wrench force(const CouplingInputs& in, double allowed) noexcept;
-  Wrench direct(const CouplingInputs& in, double allowed) noexcept;
+  Wrench force(const CouplingInputs& in, const OperatorAllowance& allowed) noexcept;
+  Wrench direct(const CouplingInputs& in, const OperatorAllowance& allowed) noexcept;
 
   double Ts_;
   EchoDelay delay_;

@@ -1,21 +1,22 @@
 #include "master/compensation/local_wall.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace farhand {
 
 Vec3 WallRenderer::step(const Vec3& x_m, const Vec3& v_m, const LocalWall& told,
-                        double out_share) noexcept {
+                        const OperatorAllowance& allowed) noexcept {
   const Vec3 drag = config_.drag * v_m;
   if (told.known && (!wall_.known || is_another(told))) {
     wall_ = told;
     wall_.x_w += std::max(depth(x_m), 0.0) * wall_.n;
   }
   if (!wall_.known) return drag;
-  agree(x_m, told);
+  agree(x_m, told, allowed.energy);
   const double in = depth(x_m), v = v_m.dot(wall_.n);
   if (!(in > 0)) return drag;
-  if (v < 0 && out_share < 1) wall_.x_w += (1 - out_share) * in * wall_.n;
+  if (v < 0 && allowed.share < 1) wall_.x_w += (1 - allowed.share) * in * wall_.n;
   return std::max(0.0, wall_.k * depth(x_m) + wall_.b * v) * wall_.n + drag;
 }
 
@@ -23,10 +24,10 @@ bool WallRenderer::is_another(const LocalWall& told) const noexcept {
   return told.contacts != wall_.contacts && told.n.dot(wall_.n) < kSameWall;
 }
 
-void WallRenderer::agree(const Vec3& x_m, const LocalWall& told) noexcept {
-  const double in = depth(x_m), share = std::min(1.0, config_.Ts / config_.agree_time);
+void WallRenderer::agree(const Vec3& x_m, const LocalWall& told, double energy) noexcept {
+  const double in = depth(x_m);
   if (!told.known) {  // fades
-    if (in > 0) wall_.x_w += share * in * wall_.n;
+    if (in > 0) wall_.x_w += agree_share() * in * wall_.n;
     constexpr double kNothing = 0.05;  // [N]
     wall_.known = wall_.k * in > kNothing;
     return;
@@ -40,7 +41,16 @@ void WallRenderer::agree(const Vec3& x_m, const LocalWall& told) noexcept {
     wall_.x_w += (depth(x_m) - F / wall_.k) * wall_.n;
   else
     wall_.x_w += std::max(depth(x_m), 0.0) * wall_.n;
-  wall_.x_w += share * (told.x_w - wall_.x_w);
+  come(x_m, told, energy);
+}
+
+// A hand that is driven until the tank is empty loses the force all at once, falls back, and is
+// driven again: the force stops to grow before.
+void WallRenderer::come(const Vec3& x_m, const LocalWall& told, double energy) noexcept {
+  const double before = depth(x_m);
+  wall_.x_w += agree_share() * (told.x_w - wall_.x_w);
+  const double most = std::max(before, std::sqrt(2 * energy / (config_.covered * wall_.k)));
+  wall_.x_w += std::max(depth(x_m) - most, 0.0) * wall_.n;
 }
 
 }  // namespace farhand

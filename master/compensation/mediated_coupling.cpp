@@ -14,9 +14,10 @@ Wrench MediatedCoupling::step(const CouplingInputs& in) noexcept {
   return render(in, tank_.step(F_M_, in.handle.X_MH.p, wall.net, wall.contacts));
 }
 
-Wrench MediatedCoupling::render(const CouplingInputs& in, double out_share) noexcept {
+Wrench MediatedCoupling::render(const CouplingInputs& in,
+                                const OperatorAllowance& allowed) noexcept {
   const double share = fade_in_.step(in.share, Ts_);
-  const Vec3 F_M = renderer_.step(in.handle.X_MH.p, in.V_MH.linear, in.robot.wall, out_share);
+  const Vec3 F_M = renderer_.step(in.handle.X_MH.p, in.V_MH.linear, in.robot.wall, allowed);
   F_M_ = share * clamp_norm(F_M, max_force_);
   Wrench F_G{.force = in.handle.R_MG.transpose() * F_M_};
   if (rotation_) F_G.torque = rotation_->step(in, share);

@@ -17,6 +17,12 @@ namespace farhand {
 
 inline constexpr double kOperatorCap = 0.2;  // [J]
 
+// What the hand may be given now.
+struct OperatorAllowance {
+  double share = 1;   // 1 to 0, of a force that drives the hand
+  double energy = 0;  // [J] until that share is less than 1
+};
+
 struct OperatorTankConfig {
   double start = kEnergyStore;  // E0 [J]
   double cap = kOperatorCap;    // [J]
@@ -30,14 +36,15 @@ class OperatorTank {
       : config_(config), held_(config.start) {}
 
   // Once per tick, before the force is given. F: handle on coupling in the last tick; x_m: where
-  // the handle is now. net [J] and contact as the slave told (LocalWall). Returns the share, 1 to
-  // 0, that a force which drives the hand may have.
-  double step(const Vec3& F, const Vec3& x_m, double net, std::uint32_t contact) noexcept {
+  // the handle is now. net [J] and contact as the slave told (LocalWall).
+  OperatorAllowance step(const Vec3& F, const Vec3& x_m, double net,
+                         std::uint32_t contact) noexcept {
     if (contact != contact_) settle();
     contact_ = contact, credit_ = std::max(net, 0.0);
     if (started_) held_ = std::min(held_ + F.dot(x_m - x_m_), config_.cap);
     started_ = true, x_m_ = x_m;
-    return std::clamp((held_ + credit_ - config_.reserve) / config_.low, 0.0, 1.0);
+    const double left = std::max(held_ + credit_ - config_.reserve, 0.0);
+    return {std::min(left / config_.low, 1.0), std::max(left - config_.low, 0.0)};
   }
   double held() const noexcept { return held_; }
 

@@ -15,28 +15,47 @@ LocalWall wall(double k = 1000) {
   return {.known = true, .x_w = Vec3(0.1, 0, 0), .n = kNormal, .k = k, .contacts = 1};
 }
 
+constexpr OperatorAllowance kAll{.share = 1, .energy = 1};
+
 TEST(WallRenderer, BeginsWhereTheHandIsAndAgreesLinearly) {
   WallRenderer r({.agree_time = 0.15, .drag = 0});
   const Vec3 x = wall().x_w + 0.01 * kNormal + 0.3 * kNormal.cross(Vec3::UnitX());
-  const Vec3 first = r.step(x, Vec3::Zero(), wall(), 1);
+  const Vec3 first = r.step(x, Vec3::Zero(), wall(), kAll);
   EXPECT_LT(first.norm(), 0.1);  // a tick of agreement
   Vec3 F = first;
-  for (int i = 1; i < 150; ++i) F = r.step(x, Vec3::Zero(), wall(), 1);
+  for (int i = 1; i < 150; ++i) F = r.step(x, Vec3::Zero(), wall(), kAll);
   EXPECT_NEAR(F.norm(), 10 * (1 - std::exp(-1)), 0.1);
-  for (int i = 0; i < 2000; ++i) F = r.step(x, Vec3::Zero(), wall(), 1);
+  for (int i = 0; i < 2000; ++i) F = r.step(x, Vec3::Zero(), wall(), kAll);
   EXPECT_NEAR((F - 10 * kNormal).norm(), 0, 0.001);
 }
 
 TEST(WallRenderer, ChangesItsStiffnessAtConstantForce) {
   WallRenderer r({.agree_time = 1e9, .drag = 0});
   Vec3 x = wall().x_w;
-  r.step(x, Vec3::Zero(), wall(), 1);
+  r.step(x, Vec3::Zero(), wall(), kAll);
   x += 0.005 * kNormal;
-  EXPECT_NEAR(r.step(x, Vec3::Zero(), wall(), 1).norm(), 5, 1e-9);
-  EXPECT_NEAR(r.step(x, Vec3::Zero(), wall(4000), 1).norm(), 5, 1e-9);
+  EXPECT_NEAR(r.step(x, Vec3::Zero(), wall(), kAll).norm(), 5, 1e-9);
+  EXPECT_NEAR(r.step(x, Vec3::Zero(), wall(4000), kAll).norm(), 5, 1e-9);
   EXPECT_NEAR(r.wall().k, 1020, 1e-9);
-  for (int i = 0; i < 100; ++i) r.step(x, Vec3::Zero(), wall(4000), 1);
-  EXPECT_NEAR(r.step(x + 0.001 * kNormal, Vec3::Zero(), wall(4000), 1).norm(), 9, 1e-6);
+  for (int i = 0; i < 100; ++i) r.step(x, Vec3::Zero(), wall(4000), kAll);
+  EXPECT_NEAR(r.step(x + 0.001 * kNormal, Vec3::Zero(), wall(4000), kAll).norm(), 9, 1e-6);
+}
+
+// 1 mJ pays for a force of which a quarter of the spring's energy is so much; more comes with more,
+// and what is there stays when there is less.
+TEST(WallRenderer, ComesAsFarAsTheTankPaysFor) {
+  WallRenderer r({.drag = 0});
+  const Vec3 x = wall().x_w + 0.01 * kNormal;
+  const auto felt = [&](double energy) {
+    Vec3 F;
+    for (int i = 0; i < 2000; ++i) F = r.step(x, Vec3::Zero(), wall(), {1, energy});
+    return F.norm();
+  };
+  EXPECT_NEAR(felt(0), 0, 1e-9);
+  EXPECT_NEAR(felt(0.001), std::sqrt(2 * 0.001 * 1000 / 0.25), 1e-6);
+  EXPECT_NEAR(felt(0.004), std::sqrt(2 * 0.004 * 1000 / 0.25), 1e-6);
+  EXPECT_NEAR(felt(0), std::sqrt(2 * 0.004 * 1000 / 0.25), 1e-6);
+  EXPECT_NEAR(felt(1), 10, 0.001);
 }
 
 // The floor, then a side wall a long way off; and the floor again with friction turning the normal.
@@ -45,13 +64,13 @@ TEST(WallRenderer, AnotherWallBeginsWhereTheHandIs) {
   for (const auto& [n, most] : cases) {  // [N]; of the floor the hand knew already
     WallRenderer r({.drag = 0});
     LocalWall told{.known = true, .n = -Vec3::UnitZ(), .k = 1000, .contacts = 1};
-    for (int i = 0; i < 500; ++i) r.step(Vec3(0, 0, -0.005), Vec3::Zero(), told, 1);
+    for (int i = 0; i < 500; ++i) r.step(Vec3(0, 0, -0.005), Vec3::Zero(), told, kAll);
     const Vec3 away(0.2, 0, 0.001);
-    for (int i = 0; i < 100; ++i) r.step(away, Vec3::Zero(), told, 1);
+    for (int i = 0; i < 100; ++i) r.step(away, Vec3::Zero(), told, kAll);
     told.n = n, told.x_w = away, told.contacts = 2;
-    EXPECT_LT(r.step(away + 0.005 * n, Vec3::Zero(), told, 1).norm(), most) << n.transpose();
+    EXPECT_LT(r.step(away + 0.005 * n, Vec3::Zero(), told, kAll).norm(), most) << n.transpose();
     Vec3 F;
-    for (int i = 0; i < 2000; ++i) F = r.step(away + 0.005 * n, Vec3::Zero(), told, 1);
+    for (int i = 0; i < 2000; ++i) F = r.step(away + 0.005 * n, Vec3::Zero(), told, kAll);
     EXPECT_NEAR((F - 5 * n).norm(), 0, 0.01) << n.transpose();
   }
 }
@@ -76,12 +95,12 @@ TEST(WallFinder, SlidesAlongItsWall) {
 TEST(WallRenderer, NeverPullsAndFadesWhenTheWallIsGone) {
   WallRenderer r({.drag = 0});
   const Vec3 x = wall().x_w + 0.01 * kNormal;
-  for (int i = 0; i < 2000; ++i) r.step(x, Vec3::Zero(), wall(), 1);
-  EXPECT_EQ(r.step(wall().x_w - 0.01 * kNormal, Vec3::Zero(), wall(), 1), Vec3::Zero());
-  EXPECT_NEAR(r.step(x, Vec3::Zero(), {}, 1).norm(), 10, 0.1);
-  for (int i = 0; i < 150; ++i) r.step(x, Vec3::Zero(), {}, 1);
-  EXPECT_NEAR(r.step(x, Vec3::Zero(), {}, 1).norm(), 10 * std::exp(-1), 0.1);
-  for (int i = 0; i < 2000; ++i) r.step(x, Vec3::Zero(), {}, 1);
+  for (int i = 0; i < 2000; ++i) r.step(x, Vec3::Zero(), wall(), kAll);
+  EXPECT_EQ(r.step(wall().x_w - 0.01 * kNormal, Vec3::Zero(), wall(), kAll), Vec3::Zero());
+  EXPECT_NEAR(r.step(x, Vec3::Zero(), {}, kAll).norm(), 10, 0.1);
+  for (int i = 0; i < 150; ++i) r.step(x, Vec3::Zero(), {}, kAll);
+  EXPECT_NEAR(r.step(x, Vec3::Zero(), {}, kAll).norm(), 10 * std::exp(-1), 0.1);
+  for (int i = 0; i < 2000; ++i) r.step(x, Vec3::Zero(), {}, kAll);
   EXPECT_FALSE(r.wall().known);
 }
 
@@ -94,8 +113,8 @@ TEST(OperatorTank, GivesOutNoMoreThanTheStoreWhateverIsTold) {
   for (int i = 0; i < 20000; ++i) {
     LocalWall told{.known = true, .n = Vec3::UnitZ(), .k = 1000, .contacts = 1};
     told.x_w.z() = i / 200 % 2 == 0 ? -0.02 : 0.05;
-    const double share = tank.step(F, Vec3(0, 0, x), 0, 1);
-    F = r.step(Vec3(0, 0, x), Vec3(0, 0, v), told, share);
+    const OperatorAllowance allowed = tank.step(F, Vec3(0, 0, x), 0, 1);
+    F = r.step(Vec3(0, 0, x), Vec3(0, 0, v), told, allowed);
     v += 0.001 / 0.5 * (100 * (0.01 - x) - 2 * v - F.z());
     x += 0.001 * v;
     given -= F.z() * 0.001 * v;
@@ -109,10 +128,10 @@ TEST(OperatorTank, GivesOutNoMoreThanTheStoreWhateverIsTold) {
 TEST(OperatorTank, AMovingWallIsPaidForAndSettled) {
   OperatorTank tank({.start = 0.02, .cap = 0.2, .low = 0.01});
   const Vec3 F(0, 0, 10);
-  EXPECT_EQ(tank.step(F, Vec3::Zero(), 0, 1), 1);
-  EXPECT_EQ(tank.step(F, Vec3(0, 0, -0.01), 0.2, 1), 1);  // 0.1 J out, 0.2 J told
+  EXPECT_EQ(tank.step(F, Vec3::Zero(), 0, 1).share, 1);
+  EXPECT_EQ(tank.step(F, Vec3(0, 0, -0.01), 0.2, 1).share, 1);  // 0.1 J out, 0.2 J told
   EXPECT_NEAR(tank.held(), -0.08, 1e-12);
-  EXPECT_EQ(tank.step(Vec3::Zero(), Vec3::Zero(), 0, 2), 0);  // the next contact owes nothing
+  EXPECT_EQ(tank.step(Vec3::Zero(), Vec3::Zero(), 0, 2).share, 0);  // the next contact owes nothing
   EXPECT_NEAR(tank.held(), 0, 1e-12);
   for (int i = 0; i < 100; ++i) tank.step(F, Vec3(0, 0, 0.01 * i), 0, 2);
   EXPECT_NEAR(tank.held(), 0.2, 1e-12);

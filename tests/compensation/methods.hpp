@@ -164,9 +164,9 @@ class Mediated : public Method {
               .b = in->b,
               .contacts = in->contacts,
               .net = in->net};
-    const double share = tank_.step(F_, along(m.x), told.net, told.contacts);
-    F_ = renderer_.step(along(m.x), along(m.v), told, share);
-    low_ += share < 1;
+    const OperatorAllowance allowed = tank_.step(F_, along(m.x), told.net, told.contacts);
+    F_ = renderer_.step(along(m.x), along(m.v), told, allowed);
+    low_ += allowed.share < 1;
     return F_.z();
   }
   double target(const SlaveView& s) override {

@@ -46,9 +46,20 @@ TEST(MediatedLoop, FeelsTheWallAtAnyDelay) {
     expect_felt(rtt, 5000, pressed(mediated_over(rtt, 5000), 6));
 }
 
-// In 400 ms the hand is deeper in such a wall than its tank pays for to be pushed out.
-TEST(MediatedLoop, StaysSafeWhereTheTankIsTooSmall) {
-  expect_safe(400, 5000, pressed(mediated_over(400, 5000), 6));
+// In 400 ms the hand is deeper in such a wall than its tank pays for to be pushed out: it is pushed
+// a part of the way, and the force is steady there.
+TEST(MediatedLoop, HoldsTheForceThatASmallTankPaysFor) {
+  const Pressing h = pressed(mediated_over(400, 5000), 6);
+  expect_safe(400, 5000, h);
+  EXPECT_GE(h.stiffness / 5000, 0.15);
+  EXPECT_LT(h.chatter, 0.003);
+}
+
+TEST(MediatedLoop, FeelsSuchAWallFromALargerTankThatFreeMotionFilled) {
+  Scene scene = mediated_over(400, 5000);
+  scene.proto.mutable_compensation()->mutable_mmt()->set_max_tank_joule(0.4);
+  hand(scene).mutable_motion()->mutable_sine(0)->set_amplitude_m(1, 0.034);
+  expect_felt(400, 5000, pressed(scene, 6));
 }
 
 TEST(MediatedLoop, FeelsTheWallThroughABadNetwork) {
@@ -69,6 +80,7 @@ TEST(MediatedLoop, PressesOnNothingThatTheHandIsNotAllowedToFeel) {
     print(400, wall, h);
     EXPECT_EQ(h.violations, 0u);
     EXPECT_GE(h.operator_energy, -kEnergyStore) << wall;
+    EXPECT_LT(h.chatter, 0.003) << wall;
     EXPECT_GT(h.contact, 1) << wall;
     EXPECT_LE(h.contact, h.force + 6) << wall;
   }
