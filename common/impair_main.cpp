@@ -34,9 +34,10 @@ ImpairmentConfig parse(const std::string& argument, const std::string& text) {
   google::protobuf::TextFormat::Parser parser;
   parser.RecordErrorsTo(&error);
   if (!parser.ParseFromString(text, &out))
-    throw std::invalid_argument(argument + " '" + text + "': " + error.text +
-                                "; write fields of message Impairment in proto/scene.proto, such "
-                                "as 'delay_ms: 25 jitter_ms: 3 loss_ratio: 0.01'");
+    throw std::invalid_argument(
+        argument + " '" + text + "': " + error.text +
+        "; write fields of message Impairment in proto/scene_link.proto, such "
+        "as 'delay_ms: 25 jitter_ms: 3 loss_ratio: 0.01'");
   if (out.blackout_size() > 8)
     throw std::invalid_argument(argument + ": more than 8 blackouts; give one with a period_s");
   return impairment_config(out);

@@ -109,7 +109,7 @@ void normalise_field(Message& message, const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_STRING:
       return r.SetString(&message, &field, r.GetString(message, &field));
     default:
-      throw std::logic_error("scene.proto: " + field.full_name() +
+      throw std::logic_error("proto/scene: " + field.full_name() +
                              " has a type the hash does not know");
   }
 }

@@ -8,7 +8,7 @@
 
 namespace farhand {
 
-// Field by field, from the options in scene.proto: finite, within [min, max], exactly `length` or
+// Field by field, from their options in proto/: finite, within [min, max], exactly `length` or
 // `at_most` values, and `needed` there. In the order of the schema.
 std::optional<SceneFault> check_fields(const proto::Scene& scene);
 
