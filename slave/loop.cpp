@@ -102,8 +102,9 @@ bool SlaveLoop::wait_readable(TimePoint until) noexcept {
   return socket_.wait_readable();
 }
 
-// Takes everything that waits, but no more than a burst: the loop stays bounded under a flood. Only
-// an accepted datagram may say where the master is.
+// Takes everything that waits up to a message younger than a period, behind which nothing newer can
+// be, but no more than a burst: the loop stays bounded under a flood. Only an accepted datagram may
+// say where the master is.
 void SlaveLoop::receive() noexcept {
   std::array<std::byte, UdpSocket::kReceiveBytes> buffer;
   for (int i = 0; i < kBurst; ++i) {
@@ -111,9 +112,17 @@ void SlaveLoop::receive() noexcept {
     if (!got) return;
     const auto datagram = std::span(buffer).first(got->size);
     if (link_.secure() != nullptr && link_.secure()->take(datagram, got->from)) continue;
-    if (link_.receive(datagram, monotonic_now()) == Verdict::accepted) socket_.set_peer(got->from);
+    const TimePoint now = monotonic_now();
+    const bool accepted = link_.receive(datagram, now) == Verdict::accepted;
+    if (accepted) socket_.set_peer(got->from);
     if (!link_.answer().empty()) socket_.send_to(link_.answer(), got->from);
+    if (accepted && newest_for_sure(now)) return;
   }
+}
+
+bool SlaveLoop::newest_for_sure(TimePoint now) const noexcept {
+  const auto* newest = link_.newest();
+  return newest != nullptr && newest->transit_known && newest->age(now) < config_.period;
 }
 
 void SlaveLoop::send() noexcept {

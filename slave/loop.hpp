@@ -48,6 +48,7 @@ class SlaveLoop {
   std::optional<TimePoint> await_message() noexcept;
   bool wait_readable(TimePoint until) noexcept;
   void receive() noexcept;
+  bool newest_for_sure(TimePoint now) const noexcept;
   void send() noexcept;
   void finish(TimePoint planned, TimePoint begin, TimePoint end) noexcept;
 
