@@ -5,7 +5,8 @@
 #   sim [N]                2000 seeds of faults under virtual time, 30 s each
 #   sim hours [N]          100 simulated hours of them
 #   hosts [N]              both programs on two hosts through every harm, five side by side, N (10) times over: some 12 minutes
-#   flood [SECONDS [RATE]] a teleoperation flooded by a stranger, 30 s of each kind, RATE datagrams a second
+#   flood [SECONDS [RATE [STALE_MS]]]
+#                          a teleoperation flooded by a stranger, 30 s of each kind, RATE datagrams a second; it bears gaps of STALE_MS
 #   fuzz [SECONDS]         each fuzz target for ten minutes; what it finds is in build/fuzz
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -29,7 +30,7 @@ if [[ "${1:-}" == hosts ]]; then
 fi
 if [[ "${1:-}" == flood ]]; then
   cmake --build --preset release --target farhand-master farhand-slave farhand-keygen farhand-flood
-  exec tests/loop/flood.sh build/release/bin "${2:-30}" "${3:-20000}"
+  exec tests/loop/flood.sh build/release/bin "${2:-30}" "${3:-20000}" "${4:-250}"
 fi
 if [[ "${1:-}" == sim ]]; then
   cmake --build --preset release --target farhand-sim

@@ -4,16 +4,16 @@
 #
 #   master (simulated hand) ---- 127.0.0.1 ---- slave (simulated arm) <---- farhand-flood
 #
-# The scene bears gaps of 250 ms, since a busy machine stops for 100 ms of its own. Prints what it cost; asserts no time.
-# Usage: flood.sh BIN_DIR [SECONDS [RATE]]
+# The scene bears gaps of STALE_MS, 250, since a busy machine stops for 100 ms of its own. Prints what it cost; asserts no time.
+# Usage: flood.sh BIN_DIR [SECONDS [RATE [STALE_MS]]]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-bin="$1" seconds="${2:-30}" rate="${3:-20000}"
+bin="$1" seconds="${2:-30}" rate="${3:-20000}" stale_ms="${4:-250}"
 source tests/loop/programs.sh
 port=$((20000 + RANDOM % 20000))
 "$bin/farhand-keygen" "$dir/link.key" >/dev/null
-{ sed 's/^duration_s: 60/duration_s: 3600/' tests/loop/presses.textproto | sed '/press {/d'; echo 'link { key_file: "link.key" stale_ms: 250 }'; } \
+{ sed 's/^duration_s: 60/duration_s: 3600/' tests/loop/presses.textproto | sed '/press {/d'; echo "link { key_file: \"link.key\" stale_ms: $stale_ms }"; } \
   >"$dir/scene.textproto"
 
 # used PROGRAM: milliseconds of processor time that it has had.
@@ -41,7 +41,7 @@ while_running() {
 }
 
 interrupted=0
-echo "$seconds s each, $rate datagrams a second"
+echo "$seconds s each, $rate datagrams a second, gaps of $stale_ms ms borne"
 printf '%-20s %22s %6s %10s %6s %24s %13s\n' '' 'tracking rms, peak' held overruns lost 'motion to force p50, p99' 'worst wake-up'
 while_running sleep "$seconds"
 quiet="$cost"
