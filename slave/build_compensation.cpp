@@ -67,23 +67,22 @@ WaveTargetConfig wave_target(const proto::Scene& scene, const SlaveConfig& slave
   return c;
 }
 
-// Some five times the sensor's noise [N], [N m].
-constexpr double kNoContact = 0.25, kNoContactTorque = 0.01;
-
 DirectTargetConfig direct_target(const proto::Scene& scene, const SlaveConfig& slave) {
-  const Duration conceal = milliseconds(scene.compensation().direct().conceal_ms());
+  const proto::DirectCompensation& d = scene.compensation().direct();
+  const double force_scale = slave.workspace.force_scale;
+  const Duration conceal = milliseconds(d.conceal_ms());
   DirectTargetConfig c;
   c.max_speed = handle_speed(slave);
   c.max_turn_rate = slave.workspace.rotation_step / slave.Ts;
   c.translation.Ts = slave.Ts;
-  c.translation.noise = kNoContact * slave.workspace.force_scale;
+  c.translation.noise = d.contact_newton() * force_scale;
   c.translation.returns_surplus = true;
   c.concealment = {.full = conceal, .fade = std::max(conceal, Duration(1))};
   if (!couples_rotation(scene)) return c;
   c.rotation = VelocityGuardConfig{.Ts = slave.Ts,
                                    .store = DampedTurnConfig{}.guard.store,
                                    .drift_speed = 0.5,
-                                   .noise = kNoContactTorque * slave.workspace.force_scale,
+                                   .noise = d.contact_newton_meter() * force_scale,
                                    .returns_surplus = true};
   return c;
 }

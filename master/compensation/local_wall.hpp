@@ -10,8 +10,8 @@
 // moves by at most 2 %/ms, at constant force. A wall that is gone fades in the same 0.15 s.
 //
 // A hand deep in a wall that it met late is pushed out as far as its tank E pays for: no agreement
-// makes the force larger than c F^2 / (2 k_L) <= E allows. What is left of the way stays, and the
-// force then is steady. The hand feels the wall from where it is.
+// makes the force larger than c F^2 / (2 k_L) <= E allows. Then the force is steady, and the hand
+// feels the wall from where it is.
 //
 // Guaranteed by the operator's tank alone (master/compensation/operator_tank.hpp): a local model
 // has no passivity of its own. Costs: the drag D v; a wall that moves is felt late, the hand
@@ -29,7 +29,7 @@ struct WallRendererConfig {
   double agree_time = 0.15;      // [s]
   double stiffness_rate = 0.02;  // of k_L per tick
   double drag = 12;              // D [N s/m]
-  double covered = 0.25;         // c
+  double covered = 0.25;         // c: share of the spring's energy that the tank must hold
 };
 
 class WallRenderer {

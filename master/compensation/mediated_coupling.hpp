@@ -24,8 +24,8 @@ class MediatedCoupling {
 
   // Handle on coupling, G axes. A message without a wall is one of no wall.
   Wrench step(const CouplingInputs& in) noexcept;
-  // The same for a caller who keeps the operator's tank: allowed is what the
-  // hand may be given.
+  // The same for a caller who keeps the operator's tank: allowed is what the hand may be
+  // given.
   Wrench render(const CouplingInputs& in, const OperatorAllowance& allowed) noexcept;
   // In a tick in which nothing of it is felt. The wall is forgotten: coupled again, the handle
   // means another place.
