@@ -20,7 +20,7 @@ struct Unit {
   std::string_view suffix;
   std::string_view text;
 };
-constexpr std::array<Unit, 28> kUnits = {{{"newton_per_m_s", "N/(m s)"},
+constexpr std::array<Unit, 29> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"newton_s_per_m", "N s/m"},
                                           {"newton_per_m", "N/m"},
                                           {"newton_meter_per_s", "N m/s"},
@@ -30,6 +30,7 @@ constexpr std::array<Unit, 28> kUnits = {{{"newton_per_m_s", "N/(m s)"},
                                           {"newton_m", "N m"},
                                           {"newton_per_s", "N/s"},
                                           {"newton", "N"},
+                                          {"joule", "J"},
                                           {"kg_m2", "kg m^2"},
                                           {"kg", "kg"},
                                           {"m_per_s", "m/s"},

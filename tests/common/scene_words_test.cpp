@@ -11,6 +11,7 @@ namespace {
 
 TEST(SceneWords, UnitsComeFromTheEndOfTheName) {
   EXPECT_EQ(unit_of("max_force_newton"), "N");
+  EXPECT_EQ(unit_of("max_tank_joule"), "J");
   EXPECT_EQ(unit_of("kd_newton_s_per_m"), "N s/m");
   EXPECT_EQ(unit_of("ki_newton_per_m_s"), "N/(m s)");
   EXPECT_EQ(unit_of("kp_newton_per_m"), "N/m");

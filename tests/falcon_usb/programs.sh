@@ -151,63 +151,73 @@ master {
   position_control {}
 }
 TRUTH
-begin --like "$dir/truth.textproto" -- falcon calibrate --name 'a "quoted" one' -o "$dir/lines"
-until_said 'pull the grip' 1
-hand home
-until_said 'hand: there' 1
-poses=0
-for x in 0 60; do for y in 0 50; do for z in 0 40; do
-  poses=$((poses + 1))
-  until_said "pose $poses:" 1
-  hand move $((x - 30)) $((y - 20)) $((z + 100))
-  until_said 'hand: there' $((poses + 1))
-  echo "$x $y $z" >&5
-done; done; done
-until_said 'pose 9:' 1
-echo >&5
-until_said 'fits best' 1
-wants_arms=yes
-moves=$((poses + 1)) holds=0
-# weigh GRAMS: with the grip near the middle, let go once the motors hold it.
-weigh() {
-  hand weight "$1"
-  hand move 0 0 115
-  moves=$((moves + 1)) holds=$((holds + 1))
-  until_said 'hand: there' "$moves"
-  echo "$1" >&5
-  until_said 'the motors hold it' "$holds"
-  hand let go
-}
-weights=0 missed=0
-for grams in 0 100 200; do
-  weights=$((weights + 1))
-  until_said "weight $weights:" 1
-  weigh "$grams"
-  # One that was not held, because the machine stood still, is asked for again.
-  until (($(lines "weight $((weights + 1)):") > 0)); do
-    until_said "weight $((weights + 1)):\|the grip was not held" $((missed + 1))
-    (($(lines 'the grip was not held') > missed)) || continue
-    missed=$((missed + 1))
+calibrates() {
+  begin --like "$dir/truth.textproto" -- falcon calibrate --name 'a "quoted" one' -o "$dir/lines"
+  until_said 'pull the grip' 1
+  hand home
+  until_said 'hand: there' 1
+  poses=0
+  for x in 0 60; do for y in 0 50; do for z in 0 40; do
+    poses=$((poses + 1))
+    until_said "pose $poses:" 1
+    hand move $((x - 30)) $((y - 20)) $((z + 100))
+    until_said 'hand: there' $((poses + 1))
+    echo "$x $y $z" >&5
+  done; done; done
+  until_said 'pose 9:' 1
+  echo >&5
+  until_said 'fits best' 1
+  wants_arms=yes
+  moves=$((poses + 1)) holds=0
+  # weigh GRAMS: with the grip near the middle, let go once the motors hold it.
+  weigh() {
+    hand weight "$1"
+    hand move 0 0 115
+    moves=$((moves + 1)) holds=$((holds + 1))
+    until_said 'hand: there' "$moves"
+    echo "$1" >&5
+    until_said 'the motors hold it' "$holds"
+    hand let go
+  }
+  weights=0 missed=0
+  for grams in 0 100 200; do
+    weights=$((weights + 1))
+    until_said "weight $weights:" 1
     weigh "$grams"
+    # One that was not held, because the machine stood still, is asked for again.
+    until (($(lines "weight $((weights + 1)):") > 0)); do
+      until_said "weight $((weights + 1)):\|the grip was not held" $((missed + 1))
+      (($(lines 'the grip was not held') > missed)) || continue
+      missed=$((missed + 1))
+      ((missed < 20)) || { cat "$dir/falcon"; fail "no weight was held in $missed attempts"; }
+      weigh "$grams"
+    done
   done
-done
-echo >&5
-finish
-ends 0 'TABLE1 fits best' 'pose 8: ' 'counts per N m' 'wrote .*lines'
-{ echo 'master {'; cat "$dir/lines"; echo 'position_control {} }'; } >"$dir/calibrated.textproto"
-"$bin/farhand-master" --check "$dir/calibrated.textproto" >"$dir/check" 2>&1 || { cat "$dir/check" "$dir/lines"; fail "its lines are no scene's"; }
-# found NAME TRUTH WITHIN: added to what is told of it.
-results=
-found() {
-  local value
-  value="$(sed -n "s/^ *$1: //p" "$dir/lines")"
-  awk -v a="$value" -v b="$2" -v d="$3" 'BEGIN { exit !(a - b <= d && b - a <= d) }' || { cat "$dir/falcon"; fail "$1 is $2, found $value"; }
-  results+="$1 $value of $2, "
+  echo >&5
+  finish
+  ends 0 'TABLE1 fits best' 'pose 8: ' 'counts per N m' 'wrote .*lines'
+  { echo 'master {'; cat "$dir/lines"; echo 'position_control {} }'; } >"$dir/calibrated.textproto"
+  "$bin/farhand-master" --check "$dir/calibrated.textproto" >"$dir/check" 2>&1 || { cat "$dir/check" "$dir/lines"; fail "its lines are no scene's"; }
+  # found NAME TRUTH WITHIN: added to what is told of it.
+  results=
+  found() {
+    local value
+    value="$(sed -n "s/^ *$1: //p" "$dir/lines")"
+    awk -v a="$value" -v b="$2" -v d="$3" 'BEGIN { exit !(a - b <= d && b - a <= d) }' || { cat "$dir/falcon"; fail "$1 is $2, found $value"; }
+    results+="$1 $value of $2, "
+  }
+  found gear_ratio 7.71 0.02
+  found angle_offset_deg 38.4 0.2
+  found counts_per_newton_meter 8000 160
+  pass "calibrate finds $results$(grep -aoE 'the grip itself [0-9]+ g' "$dir/falcon") of 120, and its lines are a scene's"
 }
-found gear_ratio 7.71 0.02
-found angle_offset_deg 38.4 0.2
-found counts_per_newton_meter 8000 160
-pass "calibrate finds $results$(grep -aoE 'the grip itself [0-9]+ g' "$dir/falcon") of 120, and its lines are a scene's"
+# The motors hold a weight by a control that is made for a thousand exchanges a second.
+rate="$(grep -aoE '[0-9]+ exchanges per second' "$dir/falcon" | grep -oE '^[0-9]+')"
+if ((rate < 800)); then
+  echo "skipped: calibrate at the emulated Falcon: this machine asks it $rate times a second, it takes 800 to hold a weight"
+else
+  calibrates
+fi
 
 # ---- a teleoperation
 
